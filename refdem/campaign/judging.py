@@ -5,7 +5,8 @@ A *task* is one method of one engine on one instance; a *variant* is one of its 
 most one change, such as a rotated scene.
 """
 
-from collections.abc import Mapping
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass
 
 import msgspec
 
@@ -17,18 +18,25 @@ from refdem.core.deviation import Deviation
 from refdem.core.finding import DECIDED, Finding, Record
 from refdem.core.judgement import undecided
 from refdem.core.run import Failure, Run
+from refdem.core.trajectory import Trajectory
 from refdem.core.variant import Variant
 from refdem.errors import RefdemError
 
 
 def record(
-    task: Task, version: str, runs: Mapping[Variant, Run], deviations: list[Deviation]
+    task: Task,
+    version: str,
+    runs: Mapping[Variant, Run],
+    deviations: list[Deviation],
+    read: Callable[[Run], Trajectory | None] = lambda run: run.trajectory,
 ) -> Record:
     """The record of one task. If nothing could be decided although every check was asked, it has an
     error finding that says so.
+
+    `read` has the trajectory of a run, where the run itself does not.
     """
     instance = task.subject.instance
-    findings = _findings(task, runs)
+    findings = _findings(task, runs, read)
     if _is_void(task, findings):
         reasons = "; ".join(dict.fromkeys(f.sentence for f in findings)) or "no check applies"
         says = f"Nothing was decided: {reasons}"
@@ -65,16 +73,42 @@ def _is_void(task: Task, findings: list[Finding]) -> bool:
     return not (is_refused or is_honest)
 
 
-def _findings(task: Task, runs: Mapping[Variant, Run]) -> list[Finding]:
+@dataclass(frozen=True, eq=False)
+class _Completed(Mapping[Variant, CompletedRun]):
+    """The runs of a task that did not fail; the trajectory of each is read when a check asks for
+    it, because all of a large gas at once are most of the memory of a campaign.
+    """
+
+    runs: Mapping[Variant, Run]
+    read: Callable[[Run], Trajectory | None]
+
+    def __getitem__(self, variant: Variant) -> CompletedRun:
+        run = self.runs[variant]
+        trajectory = self.read(run)
+        assert trajectory is not None
+        assert run.cost is not None
+        return CompletedRun(trajectory, run.cost)
+
+    def __contains__(self, variant: object) -> bool:
+        return variant in self.runs
+
+    def __iter__(self) -> Iterator[Variant]:
+        return iter(self.runs)
+
+    def __len__(self) -> int:
+        return len(self.runs)
+
+
+def _findings(
+    task: Task, runs: Mapping[Variant, Run], read: Callable[[Run], Trajectory | None]
+) -> list[Finding]:
     """The findings of a task: how its runs failed, then the findings of its checks."""
     if task.unsupported is not None:
         sentence = f"{task.unsupported[:1].upper()}{task.unsupported[1:]}."
         return [Finding(check="run", quantity="scene", outcome="unsupported", sentence=sentence)]
-    completed = {
-        variant: CompletedRun(run.trajectory, run.cost)
-        for variant, run in runs.items()
-        if run.trajectory is not None and run.cost is not None
-    }
+    completed = _Completed(
+        {variant: run for variant, run in runs.items() if run.failure is None}, read
+    )
     failed = {variant: run.failure for variant, run in runs.items() if run.failure is not None}
     refused = {variant for variant, failure in failed.items() if failure.kind == "unsupported"}
     permitted = {variant for variant in refused if _may_refuse(task, variant, runs[variant])}

@@ -5,7 +5,7 @@ from collections.abc import Mapping
 from refdem.campaign import judging
 from refdem.campaign.deviations import of_engine
 from refdem.campaign.plan import Task
-from refdem.campaign.runs import Runs
+from refdem.campaign.runs import Recent, Runs
 from refdem.core.finding import Record
 
 
@@ -16,8 +16,7 @@ def records(tasks: list[Task], runs: Runs, versions: Mapping[str, str]) -> list[
     judged = []
     for number, task in enumerate(tasks):
         name = task.engine.name
-        # No name for the runs of a task: they are let go before those of the next one are read.
-        judged.append(
-            judging.record(task, versions[name], runs.of_task(number, task), expected[name])
-        )
+        of_task = runs.of_task(number, task)
+        read = Recent(runs).trajectory
+        judged.append(judging.record(task, versions[name], of_task, expected[name], read))
     return judged

@@ -104,9 +104,9 @@ def replays(tasks: list[Task], runs: Runs, records: list[Record]) -> list[Replay
 def _candidate(task: Task, record: Record, runs: Runs, number: int) -> Candidate:
     """A task with its plain runs; `number` is that of the task in the plan."""
     plain = {
-        variant.level: run.trajectory
+        variant.level: trajectory
         for variant, run in runs.of_task(number, task, change="none").items()
-        if run.trajectory is not None
+        if (trajectory := runs.trajectory(run)) is not None
     }
     return Candidate(task=task, record=record, plain=plain)
 

@@ -5,7 +5,7 @@ Equal runs are made once, and unchanged ones are read from the store.
 
 import math
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from functools import partial
 
 import msgspec
@@ -28,6 +28,10 @@ trajectory, to keep what failed.
 """
 ENOUGH = 2
 """A method that hung at so many different steps is not tried at others."""
+HELD = 50_000_000
+"""Packed bytes of the trajectories of a task that are held while it is judged, beside those that a
+check holds itself.
+"""
 Place = tuple[int, Variant]
 """A run by the number of its task in the plan, and its variant."""
 
@@ -54,14 +58,14 @@ class Runs:
     read: int
 
     def of_task(self, number: int, task: Task, change: str | None = None) -> dict[Variant, Run]:
-        """The runs of one task by variant, with their trajectories; `change`, if any, is that of
+        """The runs of one task by variant, without their trajectories; `change`, if any, is that of
         the only variants. A run that goes on from one that failed is not there.
         """
         runs = {}
         for variant in task.variants:
             run = self.by_place.get((number, variant))
             if run is not None and change in (None, variant.change):
-                runs[variant] = replace(run, trajectory=self.trajectory(run))
+                runs[variant] = run
         return runs
 
     def trajectory(self, run: Run) -> Trajectory | None:
@@ -76,6 +80,40 @@ class Runs:
         chance.
         """
         return all(is_lasting(run.failure) for run in self.by_place.values())
+
+
+class Recent:
+    """The trajectories of runs, read when they are asked for; the last ones are held, up to HELD
+    bytes of them, so that most are read once.
+    """
+
+    def __init__(self, runs: Runs) -> None:
+        self._runs = runs
+        self._held: dict[str, Trajectory] = {}
+        """By the keys of their runs, the one asked for last at the end."""
+
+    def trajectory(self, run: Run) -> Trajectory | None:
+        """The trajectory of a run; None if the run failed."""
+        if run.failure is not None:
+            return None
+        trajectory = self._held.pop(run.key, None)
+        if trajectory is None:
+            self._make_room(self._runs.spool.size(run.key))
+            trajectory = self._runs.trajectory(run)
+            assert trajectory is not None
+        self._held[run.key] = trajectory
+        return trajectory
+
+    def _make_room(self, size: int) -> None:
+        """Lets go of the trajectories that were not asked for longest, for another of `size`
+        bytes.
+        """
+        held = sum(map(self._runs.spool.size, self._held))
+        for key in list(self._held):
+            if held + size <= HELD:
+                return
+            held -= self._runs.spool.size(key)
+            del self._held[key]
 
 
 def is_lasting(failure: Failure | None) -> bool:
@@ -240,7 +278,7 @@ class Runner:
         """The reply without its trajectory, which goes into the spool."""
         if reply.failure is None:
             self.spool.keep(key, reply.trajectory)
-        return msgspec.structs.replace(reply, trajectory=b"")
+        return worker.Reply(cost=reply.cost, failure=reply.failure)
 
     def _run(self, asked: Asked, reply: worker.Reply, *, from_store: bool) -> Run:
         """The run that one task asked for, from the reply; its trajectory is in the spool."""

@@ -21,6 +21,7 @@ from concurrent.futures.process import BrokenProcessPool
 from dataclasses import dataclass, replace
 from itertools import islice
 from typing import Any, Protocol, TypeVar
+from weakref import WeakKeyDictionary
 
 from refdem.campaign.spawning import Spawning, unblock_interrupts
 from refdem.core.engine import Stages, Waiting
@@ -41,6 +42,10 @@ PAUSE = 0.02
 """Seconds between looks at programs that are being ended."""
 LOOK = 1.0
 """Seconds between looks at the pool of workers while no result comes."""
+MOST_WAITING = 2**24
+"""Bytes of arguments that are handed to workers before one of them is free, with which another job
+is not handed over.
+"""
 UNTAKEN = 60.0
 """Seconds for which a job may wait although a worker is free, which may have to start: a worker
 that is killed just as it takes a job says nothing of it.
@@ -216,6 +221,8 @@ class Schedule:
         self._has_lost = False
         """Whether jobs were lost since the last result."""
         self._programs = Programs(workers)
+        self._sizes = WeakKeyDictionary[Any, int]()
+        """Bytes of the arguments of the jobs that run, by their futures."""
 
     def __enter__(self) -> "Schedule":
         return self
@@ -297,7 +304,7 @@ class Schedule:
         self, waiting: deque[Job], running: dict[Any, Job]
     ) -> Iterator[tuple[Job, Failure]]:
         """Moves jobs to the workers, as long as these have few; yields those that are given up."""
-        while waiting and len(running) < 4 * self._size and self._pool.active:
+        while waiting and self._has_room(running) and self._pool.active:
             job = waiting.popleft()
             failure = job.given_up()
             if failure is not None:
@@ -308,6 +315,15 @@ class Schedule:
                 waiting.appendleft(job)
             else:
                 running[future] = job
+
+    def _has_room(self, running: dict[Any, Job]) -> bool:
+        """True if the workers have few jobs: one more than can run at once, or, where their
+        arguments are small, a few for each.
+        """
+        if len(running) <= self._size:
+            return True
+        size = sum(self._sizes[future] for future in running)
+        return len(running) < 4 * self._size and size < MOST_WAITING
 
     def _employ(self, workers: int) -> None:
         """Starts so many workers, unless there are as many."""
@@ -336,15 +352,20 @@ class Schedule:
     def _begun(self, job: Job) -> Any:
         """The future of a job that is handed to a worker process; None if the pool is broken."""
         limit = job.patience * (job.timeout or self._timeout)
-        call = (job.function, *job.ready().arguments)
+        arguments = job.ready().arguments
+        call = (job.function, *arguments)
         try:
             if job.computes:
-                return self._pool.schedule(limited, args=(limit, *call), timeout=SLOWER * limit)
-            return self._pool.schedule(guarded, args=call, timeout=limit)
+                timeout = SLOWER * limit
+                future = self._pool.schedule(limited, args=(limit, *call), timeout=timeout)
+            else:
+                future = self._pool.schedule(guarded, args=call, timeout=limit)
         except RuntimeError:
             if self._pool.active:
                 raise
             return None
+        self._sizes[future] = sum(len(part) for part in arguments if isinstance(part, bytes))
+        return future
 
     def _result(self, future: Any, job: Job) -> bytes | Failure | None:
         """The bytes of a job that has ended in a worker, or how it failed: hang, crash,

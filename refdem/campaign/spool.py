@@ -20,7 +20,7 @@ class Spool:
         self._places: dict[str, tuple[int, int]] = {}
         """Offset and length of each entry."""
 
-    def keep(self, key: str, data: bytes) -> None:
+    def keep(self, key: str, data: bytes | memoryview) -> None:
         """Keeps bytes under a key; raises StoreError if the file cannot be written."""
         try:
             offset = self._file.seek(0, os.SEEK_END)
@@ -33,6 +33,10 @@ class Spool:
                 " to another folder"
             ) from None
         self._places[key] = offset, len(data)
+
+    def size(self, key: str) -> int:
+        """The number of bytes that are kept under a key; raises KeyError if there are none."""
+        return self._places[key][1]
 
     def read(self, key: str) -> bytes:
         """The bytes that are kept under a key; raises KeyError if there are none."""

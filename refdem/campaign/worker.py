@@ -33,7 +33,8 @@ COUNT_BYTES = 4
 class Reply(msgspec.Struct, frozen=True, kw_only=True):
     """Exactly one of a packed trajectory (with its cost) and a failure."""
 
-    trajectory: bytes = b""
+    # Decoded, it is a view of the bytes of the reply: a copy of them may be 50 MB.
+    trajectory: memoryview = memoryview(b"")
     cost: Cost | None = None
     failure: Failure | None = None
 
@@ -170,4 +171,4 @@ def reply_of(address: str, request: Request, engine: Engine | None = None) -> St
     except Exception as error:
         sentence = one_line(f"{address} raised {type(error).__name__}: {error}")
         return Reply(failure=Failure(kind="exception", sentence=sentence))
-    return Reply(trajectory=trajectory.to_bytes(), cost=cost)
+    return Reply(trajectory=memoryview(trajectory.to_bytes()), cost=cost)

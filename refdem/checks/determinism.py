@@ -65,38 +65,47 @@ class Determinism(Check):
         """The largest difference of any number between runs of one request, between outputs of
         different density, and between numbers of threads.
         """
-        by_change = {variant.change: runs[variant].trajectory for variant in self.needs(subject)}
-        base = by_change["none"]
+        variants: dict[str, Variant] = {}
+        for variant in self.needs(subject):
+            variants[variant.change] = variant
+        base = runs[variants["none"]].trajectory
+
+        def difference(change: str, stride: int) -> float:
+            """The largest difference of a variant from the plain run, whose samples are `stride`
+            samples of the variant apart.
+            """
+            return _difference(base, runs[variants[change]].trajectory, stride)
+
         is_fixed_step = subject.method.control == "step"
         findings = [
             judged(
                 check=self.name,
                 quantity="repeated",
-                value=_difference(base, by_change["repeated"], 1),
+                value=difference("repeated", 1),
                 bound=0.0,
                 unit="1",
                 basis="identical requests must give identical results, bit for bit",
                 what="The largest difference between two runs of the same request",
             )
         ]
-        if "denser_output" in by_change and is_fixed_step:
+        if "denser_output" in variants and is_fixed_step:
             findings.append(
                 judged(
                     check=self.name,
                     quantity="output-rate",
-                    value=_difference(base, by_change["denser_output"], DENSER),
+                    value=difference("denser_output", DENSER),
                     bound=0.0,
                     unit="1",
                     basis="writing output must not change the trajectory, bit for bit",
                     what=f"The largest difference at {DENSER} times as many samples",
                 )
             )
-        if "threads" in by_change:
+        if "threads" in variants:
             findings.append(
                 judged(
                     check=self.name,
                     quantity="threads",
-                    value=_difference(base, by_change["threads"], 1),
+                    value=difference("threads", 1),
                     bound=0.0,
                     unit="1",
                     basis="the method claims the same bits for any number of threads",

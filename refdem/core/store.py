@@ -62,7 +62,10 @@ def cache_folder() -> Path:
 
 def digest_of(kind: str, key: str, data: bytes) -> bytes:
     """The digest of an entry: of its kind, its key and its bytes."""
-    return hashlib.blake2b(f"{kind}\0{key}\0".encode() + data, digest_size=16).digest()
+    # Not of one sum of bytes, which is a copy of the data.
+    digest = hashlib.blake2b(f"{kind}\0{key}\0".encode(), digest_size=16)
+    digest.update(data)
+    return digest.digest()
 
 
 class _UnfitError(Exception):
@@ -257,6 +260,8 @@ def _connected(path: Path) -> sqlite3.Connection:
             timeout=PATIENCE,
             isolation_level=None,
             check_same_thread=False,
+            # A statement that is kept for the next time keeps its last entry too.
+            cached_statements=0,
         )
         try:
             _prepare(connection)

@@ -142,6 +142,11 @@ class Symmetry:
         if self.reverse:
             columns = {name: column[::-1].copy() for name, column in columns.items()}
             shapes = shapes[::-1]
+        # What the symmetry leaves as it is is not held twice: there are many images.
+        for name, column in columns.items():
+            unmapped = getattr(bodies, name)
+            if column.tobytes() == unmapped.tobytes():
+                columns[name] = unmapped
         return replace(bodies, shape=shapes, **columns)
 
     def _shape(self, shape: Shape) -> Shape:

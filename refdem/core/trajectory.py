@@ -124,7 +124,7 @@ class Trajectory:
         return msgspec.msgpack.encode(packed)
 
     @classmethod
-    def from_bytes(cls, data: bytes) -> "Trajectory":
+    def from_bytes(cls, data: bytes | memoryview) -> "Trajectory":
         """The trajectory that `to_bytes` wrote."""
         packed = msgspec.msgpack.decode(data, type=_Packed)
         arrays = {name: _unpacked(*value) for name, value in packed.arrays.items()}

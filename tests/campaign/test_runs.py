@@ -1,13 +1,15 @@
 """What is remembered from run to run of a campaign: the steps with which a method did not end."""
 
+import numpy as np
 import pytest
 
 from refdem.campaign import plan
-from refdem.campaign.runs import Asked, Hangs, Runs
+from refdem.campaign.runs import Asked, Hangs, Recent, Runs
 from refdem.campaign.specification import Entry, Specification
 from refdem.campaign.spool import spool
 from refdem.core import discovery
 from refdem.core.run import Failure, Run
+from refdem.core.trajectory import Trajectory
 from refdem.core.variant import Variant
 
 HANG = Failure(kind="hang", sentence="it was still running")
@@ -66,3 +68,36 @@ def test_runs_are_kept_whole_unless_one_may_end_otherwise(
         found = Runs(by_place={one.place: run}, spool=trajectories, made=1, read=0)
         assert found.is_lasting == is_lasting
         assert found.of_task(1, one.task) == {}
+
+
+def test_the_trajectories_asked_for_last_are_held_as_far_as_there_is_room(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    t = np.arange(4.0)
+    packed = Trajectory.of_values(t, {"x": t}).to_bytes()
+    monkeypatch.setattr("refdem.campaign.runs.HELD", 2 * len(packed))
+    request = asked(0.125).request
+    runs = [Run(key=key, request=request, engine="reference", version="1") for key in "abc"]
+    with spool() as trajectories:
+        for run in runs:
+            trajectories.keep(run.key, packed)
+        recent = Recent(Runs(by_place={}, spool=trajectories, made=3, read=0))
+        first, second = map(recent.trajectory, runs[:2])
+        assert recent.trajectory(runs[0]) is first
+        # The second was not asked for longest, and goes.
+        third = recent.trajectory(runs[2])
+        assert recent.trajectory(runs[0]) is first
+        assert recent.trajectory(runs[2]) is third
+        again = recent.trajectory(runs[1])
+        assert again is not second
+        assert again is not None
+        np.testing.assert_array_equal(again.values["x"], t)
+
+
+def test_a_run_that_failed_has_no_trajectory_to_read() -> None:
+    run = Run(
+        key="key", request=asked(0.125).request, engine="reference", version="1", failure=CRASH
+    )
+    with spool() as trajectories:
+        recent = Recent(Runs(by_place={}, spool=trajectories, made=1, read=0))
+        assert recent.trajectory(run) is None

@@ -80,6 +80,30 @@ def test_arguments_are_packed_only_when_their_job_begins(
     assert ahead < 10
 
 
+def test_one_job_with_large_arguments_waits_for_a_worker(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.syspath_prepend(Path(__file__).parents[2])
+    monkeypatch.setattr("refdem.campaign.schedule.MOST_WAITING", 100)
+    packed = list[int]()
+
+    def job(number: int) -> Job:
+        """A job that notes when its arguments, of 80 bytes, are packed."""
+
+        def pack() -> tuple[bytes]:
+            """The only argument."""
+            packed.append(number)
+            return (bytes(80),)
+
+        return Job(number, echoes, pack=pack)
+
+    ahead = 0
+    with Schedule(1, 60) as scheduler:
+        for done, (_, result) in enumerate(scheduler.results([job(k) for k in range(8)])):
+            assert result == bytes(80)
+            ahead = max(ahead, len(packed) - done)
+    assert sorted(packed) == list(range(8))
+    assert ahead == 2
+
+
 def test_an_exception_that_cannot_travel_costs_its_own_job(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.syspath_prepend(Path(__file__).parents[2])  # workers import this module by its name
     jobs = [Job(0, raises, ()), Job(1, works, ()), Job(2, raises, ())]

@@ -35,6 +35,19 @@ def shown(by, elements=(), bodies=(FIRST, POINT)):
     return by.applied(instance(list(bodies), elements, times=(0.0, 2.0)).motion)
 
 
+def test_an_image_shares_the_columns_that_are_as_they_were_to_the_last_bit():
+    motion = instance([FIRST, POINT], times=(0.0, 2.0)).motion
+    bodies = motion.scene.bodies
+    shifted = Symmetry(shift=np.array([1.0, 0.0, 0.0])).applied(motion).scene.bodies
+    assert shifted.velocity is bodies.velocity
+    assert shifted.attitude is bodies.attitude
+    assert shifted.position is not bodies.position
+    # -0 equals 0, but not to the last bit.
+    mirrored = Symmetry(mirrored=True).applied(motion).scene.bodies
+    assert np.signbit(mirrored.velocity).any()
+    assert mirrored.attitude is not bodies.attitude
+
+
 def test_a_quarter_turn_takes_x_to_y_and_turns_bodies_but_not_points():
     bodies = shown(Symmetry(turn=QUARTER)).scene.bodies
     np.testing.assert_allclose(bodies.position[0], [-2.0, 1.0, 3.0], atol=1e-15)
