@@ -10,7 +10,6 @@ from dataclasses import dataclass
 import refdem
 from refdem.campaign import plan, remote, required, runs, sheets, unchanged
 from refdem.campaign.cluster import Cluster
-from refdem.campaign.large_blocks import give_back_large_blocks
 from refdem.campaign.records import records
 from refdem.campaign.replays import replays
 from refdem.campaign.runs import Hangs, Runner
@@ -70,7 +69,6 @@ class Campaign:
 
     def _ended(self, engines: list[Engine]) -> "Ended":
         """The outcome of the four stages, one after another."""
-        give_back_large_blocks()
         with spool() as trajectories:
             return self._judged(engines, trajectories)
 
