@@ -332,7 +332,8 @@ def connected(address: str) -> Any:
             " `pip install 'refdem[distributed]'`"
         ) from error
     # Dask would log a lost scheduler with a traceback, and ClusterError says it in a sentence.
-    logging.getLogger("distributed.client").setLevel(logging.CRITICAL)
+    for name in ("distributed", "distributed.client", "tornado.application"):
+        logging.getLogger(name).setLevel(logging.CRITICAL)
     try:
         # A client that does not come to be leaves threads behind, so one question goes first; from
         # a thread of its own, as that of a notebook has a loop that runs already.
