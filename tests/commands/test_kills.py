@@ -128,9 +128,12 @@ class Place:
 
     @property
     def environment(self) -> "dict[str, str]":
-        """With a store and a folder of temporary files of its own, and tests that are found."""
+        """With a store and a folder of temporary files of its own, and with tests to import.
+
+        The folder of the tests alone is on the path: refdem is the one that is installed.
+        """
         return os.environ | {
-            "PYTHONPATH": str(ROOT),
+            "PYTHONPATH": str(self.folder / "imported"),
             "TMPDIR": str(self.folder / "temporary"),
             "REFDEM_STORE": str(self.folder / "store.sqlite"),
             "KILL_AT": PROGRAM_RUNS,
@@ -140,6 +143,8 @@ class Place:
     def prepare(self) -> None:
         """Writes the campaign."""
         (self.folder / "temporary").mkdir()
+        (self.folder / "imported").mkdir()
+        (self.folder / "imported" / "tests").symlink_to(ROOT / "tests")
         engines = {"reference": "reference"}
         for name, files, more in (
             ("program", ["{request}", "{trajectory}"], ""),
