@@ -50,6 +50,10 @@ LOST = (OSError, RuntimeError, CancelledError)
 """What Dask raises where the scheduler is gone: connections that close, clients that are closed,
 questions that are given up.
 """
+MOST_LOST = 10
+"""Batches, one after the other, whose results were lost with their workers, after which a campaign
+gives up: one that is lost is made again.
+"""
 MOST_BYTES = 2**20
 """Of the requests in a batch, unless one alone has more."""
 
@@ -150,6 +154,7 @@ class _Distribution:
         self._looked = -math.inf
         self._peopled = time.monotonic()
         self._size = 1
+        self._lost_in_a_row = 0
 
     def results(self) -> Iterator[tuple[Job, bytes | Failure]]:
         """Every job once, as `Cluster.results`."""
@@ -278,19 +283,25 @@ class _Distribution:
         """
         from distributed import KilledWorker
 
-        if future.status in ("cancelled", "lost"):
-            raise _gone(self._address)
-        error = future.exception()
+        try:
+            error, data = _outcome(future)
+        except LOST:
+            # The worker that held the result has died, or the scheduler, and `_look` says which.
+            self._lost_in_a_row += 1
+            if self._lost_in_a_row > MOST_LOST:
+                raise _gone(self._address) from None
+            self._wait_again(jobs)
+            return None
         if isinstance(error, KilledWorker):
             if len(jobs) == 1:
                 return Failure(kind="crash", sentence="each worker of the cluster that ran it died")
-            self._size = 1
-            self._waiting.extendleft(reversed(jobs))
+            self._wait_again(jobs)
             return None
         if error is not None:
             words = one_line(f"{type(error).__name__}: {error}")
             raise ClusterError(f"a worker failed outside of its runs: {words}; {_KEPT}")
-        returned = _read(_data(future))
+        self._lost_in_a_row = 0
+        returned = _read(data)
         if returned.misfit:
             raise ClusterError(f"a worker that came later: {one_line(returned.misfit)}; {_KEPT}")
         if len(returned.outcomes) != len(jobs):
@@ -298,6 +309,11 @@ class _Distribution:
                 f"a worker returned {len(returned.outcomes)} outcomes; expected {len(jobs)}"
             )
         return returned
+
+    def _wait_again(self, jobs: list[Job]) -> None:
+        """Puts the runs of a batch back, each into a batch of its own."""
+        self._size = 1
+        self._waiting.extendleft(reversed(jobs))
 
 
 _KEPT = "what is finished is in the store: run the same command again to go on"
@@ -375,10 +391,18 @@ async def _identity(address: str) -> None:
         raise ValueError(f"a {kind} is there")
 
 
-def _data(future: Any) -> object:
-    """What a batch that ended well returned; raises ClusterError for what is more than data."""
+def _outcome(future: Any) -> tuple[BaseException | None, object]:
+    """The error of a batch that ended, or what it returned; raises one of LOST where that died with
+    its worker, and ClusterError for what is more than data.
+    """
+    if future.status == "lost":
+        # Asked now, Dask would wait until another worker has made it again.
+        raise CancelledError
+    error = future.exception(timeout=ARRIVAL)
+    if error is not None:
+        return error, None
     try:
-        return future.result()
+        return None, future.result(timeout=ARRIVAL)
     except TypeError as error:
         raise ClusterError(f"a worker returned what is no data: {one_line(str(error))}") from error
 

@@ -10,6 +10,7 @@ import socket
 import subprocess
 import sys
 from collections.abc import Iterator
+from concurrent.futures import CancelledError
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -301,12 +302,14 @@ class Answered:
     answer: object
     status: str = "finished"
 
-    def exception(self) -> BaseException | None:
+    def exception(self, timeout: float) -> BaseException | None:
         """The error of the task, if it failed."""
         return self.answer if isinstance(self.answer, BaseException) else None
 
-    def result(self) -> object:
-        """What the task returned."""
+    def result(self, timeout: float) -> object:
+        """What the task returned, unless it was cancelled."""
+        if self.status == "cancelled":
+            raise CancelledError
         return self.answer
 
     def add_done_callback(self, callback: Any) -> None:
@@ -388,6 +391,20 @@ def test_runs_that_a_worker_did_not_begin_are_made_once() -> None:
 
     results = played_results(Player(play), 30)
     assert results == {number: str(number).encode() for number in range(30)}
+
+
+@pytest.mark.parametrize("status", ["lost", "cancelled"])
+def test_results_that_are_lost_with_their_worker_are_made_again(status: str) -> None:
+    batches = []
+
+    def play(errands: list[remote.Errand]) -> object:
+        batches.append(len(errands))
+        # Each third batch, so that none is lost too often.
+        return status if len(batches) % 3 == 0 else all_made(errands)
+
+    results = played_results(Player(play), 100)
+    assert results == {number: str(number).encode() for number in range(100)}
+    assert sum(batches) > 100
 
 
 def test_what_hung_before_is_not_sent() -> None:
