@@ -38,7 +38,9 @@ def summary(record: StressRecord) -> list[Table]:
     """For each ladder the last rung that each engine holds; and the promises that were broken, or
     their count.
     """
-    engines = list(dict.fromkeys(climb.engine for climb in record.climbs))
+    others = {climb.engine: not climb.is_reference for climb in record.climbs}
+    # The reference comes first, then the engines by name.
+    engines = sorted(others, key=lambda name: (others[name], name))
     ladders: dict[tuple[str, str, str], list[Climb]] = {}
     for climb in record.climbs:
         ladders.setdefault((climb.battery, climb.ladder, climb.along), []).append(climb)

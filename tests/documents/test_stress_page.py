@@ -1,0 +1,44 @@
+"""reports/stress.md: it has every ladder that `refdem stress` climbs, and no other."""
+
+import re
+from pathlib import Path
+
+from refdem.core import discovery
+from refdem.core.outside import markdown_text
+from refdem.stress import selection
+
+REPORTS = Path(__file__).parents[2] / "reports"
+PAGE = (REPORTS / "stress.md").read_text()
+SUMMARY, *SECTIONS = PAGE.split("\n## ")
+LADDERS = {
+    (battery.id, markdown_text(ladder.name), markdown_text(ladder.along))
+    for battery in selection.batteries([], [])
+    for ladder in battery.ladders
+}
+
+
+def rows_of(text: str) -> list[list[str]]:
+    """The cells of all rows of a page's first table, its header first."""
+    (table, *_) = re.findall(r"(?:^\|.*\n)+", text, flags=re.MULTILINE)
+    rows = [re.split(r"(?<!\\)\|", line)[1:-1] for line in table.splitlines()]
+    return [[cell.strip() for cell in row] for row in rows]
+
+
+def test_the_page_has_every_ladder_and_no_other() -> None:
+    _, _, *rows = rows_of(SUMMARY)
+    assert {tuple(row[:3]) for row in rows} == LADDERS
+
+
+def test_the_page_has_a_column_for_every_engine_with_the_reference_first() -> None:
+    header, *_ = rows_of(SUMMARY)
+    names = [name for name in discovery.names("engines") if name != "reference"]
+    assert header[3:] == ["reference", *sorted(names)]
+
+
+def test_the_page_has_a_section_and_a_picture_for_every_battery() -> None:
+    batteries = selection.batteries([], [])
+    titles = [section.split("\n", 1)[0] for section in SECTIONS]
+    assert sorted(titles) == sorted(markdown_text(battery.title) for battery in batteries)
+    shown = {f"stress-{battery.id}.svg" for battery in batteries}
+    assert {path.name for path in (REPORTS / "figures").glob("stress-*.svg")} == shown
+    assert {f"stress-{name}.svg" for name in re.findall(r"stress-([\w-]+)\.svg", PAGE)} == shown
