@@ -349,12 +349,24 @@ class PlanarPhases(LinearContact):
         return y[6] * (2 * self.kt)
 
     def held(self) -> Mode:
-        """The mode without slip and without a spring, by whatever friction that needs."""
+        """The mode without slip and without a spring, by whatever friction that needs.
+
+        Where none is needed no direction is one to slide in, and the mode lasts as long as the
+        force does.
+        """
+        if self.holds_by_itself():
+            return Mode(self.field(None), (self.released(),))
         guards = (
             self.slide(1, lambda y: -self.holding(y), {"stick": 2}),
             self.slide(-1, self.holding, {"stick": 2}),
         )
         return Mode(self.field(self.holding), guards)
+
+    def holds_by_itself(self) -> bool:
+        """Whether the slip stays at zero without friction: `holding` is zero in every state, since
+        neither the normal turns (eps = 0) nor do levers change (b_i = 0).
+        """
+        return not self.eps and not any(self.bend)
 
     def slide(self, side: int, pull: Callable[[State], Any], touching: dict[str, int]) -> Guard:
         """The guard mu F - pull(y) at whose zero friction reaches its limit, against a slip of sign

@@ -125,7 +125,8 @@ class ValidatedFlow(Guarded, Truth):
 
     A family hands in what it adds: `witness` says who checked; `escape` proves that a motion is
     infinite; `constants` gives the scalars; `reported` names the quantities that `at` returns (all
-    by default); `door` raises NotCertifiedError where the quantities have no meaning.
+    by default); `door` raises NotCertifiedError where the quantities have no meaning; `remark` says
+    of the last certified state what the motion comes to there, for the reader of a refusal.
     """
 
     method = (
@@ -148,6 +149,7 @@ class ValidatedFlow(Guarded, Truth):
         constants: "Callable[[ValidatedFlow], dict[str, arb]]" = lambda flow: {},
         reported: Sequence[str] = (),
         door: "Callable[[ValidatedFlow], None]" = lambda flow: None,
+        remark: Callable[[Sequence[arb], float], str] = lambda y, t: "",
     ) -> None:
         self.refiner = Refiner.of(scale, digits=digits)
         self.kept: dict[Any, Any] = {}
@@ -165,6 +167,7 @@ class ValidatedFlow(Guarded, Truth):
         self.constants = constants
         self.reported = tuple(reported)
         self.door = door
+        self.remark = remark
 
     @property
     def scale(self) -> Mapping[str, Fraction]:
@@ -276,7 +279,7 @@ class ValidatedFlow(Guarded, Truth):
         ends_at_fewer_bits = [end for bits, end in self.ends.items() if 2 * bits <= flow.bits]
         is_stuck = bool(ends_at_fewer_bits) and flow.end <= max(ends_at_fewer_bits) * (1 + GAIN)
         return UndecidedError(
-            str(error),
+            f"{error}{self.remark(y, float(flow.end))}",
             code=error.code,
             final=error.final or is_stuck,
             time=error.time,

@@ -13,6 +13,8 @@ from collections.abc import Mapping, Sequence
 from fractions import Fraction
 from typing import Any
 
+from flint import arb
+
 from refdem.core.parameters import Parameters
 from refdem.core.truth import Truth
 from refdem.truth.exact import numbers
@@ -73,4 +75,18 @@ def truth(p: Parameters, scale: Mapping[str, float]) -> Truth:
         state=NAMES,
         moved=range(4),
         witness=WITNESS,
+        remark=drawn_onto_wheel,
+    )
+
+
+def drawn_onto_wheel(y: Sequence[arb], t: float) -> str:
+    """What is said of a proof that ends at the time t [s] in the state y, where the string's speed
+    would bring the pendulum to the wheel within as much time again: the equations divide by r.
+    """
+    r, _, rdot, _ = (float(value.mid()) for value in y)
+    if not r + rdot * t < 0:
+        return ""
+    return (
+        f"; there {r:.3g} m of free string are left, which become shorter by {-rdot:.3g} m/s: where"
+        " none is left the pendulum is on the wheel, and the equations end; ask for an earlier time"
     )

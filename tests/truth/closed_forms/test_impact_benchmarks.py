@@ -77,6 +77,18 @@ def test_dust_that_slides_loses_seven_of_psi_and_gains_five_of_spin(psi):
     assert abs(rolling / unit + 5 * side) < TINY
 
 
+@pytest.mark.parametrize("cutoff", ["zero_force", "zero_overlap"])
+def test_a_slip_on_a_wall_that_ends_without_a_spring_goes_on_as_rolling(cutoff):
+    given = {"tangential_stiffness": "0", "angle": "1/10", "restitution": "1/2", "cutoff": cutoff}
+    rebound = scalars("co-4", **given)
+    # Friction through the point of contact keeps the angular momentum about it: of m v r, rolling
+    # leaves 5/7 as m v r and 2/7 as spin, whatever the normal force is.
+    across = Fraction(rebound["rebound_across"])
+    assert abs(float(across) - 5 / 7 * 3.9 * sin(0.1)) < 1e-15
+    assert abs(across + rebound["rebound_spin"] / 400) < TINY
+    assert found("co-4", **given)[1].sensitivity(Fraction(1, 10**5)) >= 1
+
+
 @pytest.mark.parametrize("spin", ["40", "-40"])
 def test_a_spin_that_slides_has_the_tangential_restitution_of_its_impulse(spin):
     last = end("co-6", spin=spin, tangential_stiffness="0")

@@ -7,6 +7,7 @@ from fractions import Fraction
 import pytest
 
 from refdem.core.discovery import case, truth_of
+from refdem.errors import NotCertifiedError
 from refdem.truth.balls import arb_of, precision
 from refdem.truth.closed_forms import pendulum_wheel_mass as module
 from refdem.truth.exact import numbers
@@ -131,3 +132,23 @@ def test_the_second_integral_drifts_in_proportion_to_the_radius():
     )
     assert abs(fine) > 0.1
     assert coarse == pytest.approx(fine, rel=0.01)
+
+
+def test_a_pendulum_that_is_drawn_onto_the_wheel_is_refused_with_what_is_left_of_its_string():
+    drawn = truth_of("pendulum-wheel-mass", rdot0="-5").refined(10)
+    with pytest.raises(NotCertifiedError, match=r"on the wheel.*earlier time") as caught:
+        drawn.at(Fraction(1))
+    last = caught.value.state
+    assert 0 < last["r"].mid < Fraction(1, 4)
+    assert last["rdot"].mid < 0
+
+
+def test_a_string_that_becomes_longer_is_not_said_to_bring_the_pendulum_to_the_wheel():
+    with precision(64):
+        near, far, away = (
+            [arb_of(Fraction(r)), arb_of(0), arb_of(speed), arb_of(0)]
+            for r, speed in (("1/10", -1), ("3", -1), ("1/10", 1))
+        )
+    assert "0.1 m" in module.drawn_onto_wheel(near, 1.0)
+    assert module.drawn_onto_wheel(far, 1.0) == ""
+    assert module.drawn_onto_wheel(away, 1.0) == ""

@@ -21,7 +21,7 @@ limit outgrows the slip again: both are proved by bisection and interval Newton.
 not certified.
 
 The masses are finite and move by less than 1e-20 of the overlap, which the radii contain
-(`total_bound`).
+(`total_bound`): so no more digits are certified than that leaves (`most_digits`).
 """
 
 from collections.abc import Iterator, Mapping, Sequence
@@ -29,11 +29,14 @@ from copy import copy
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import partial
+from math import floor, log10
 from typing import Any, Self
 
 from flint import arb, arb_mat
 
-from refdem.truth.balls import UndecidedError, arb_of
+from refdem.core.truth import Ball
+from refdem.errors import NotCertifiedError
+from refdem.truth.balls import UndecidedError, arb_of, ball_of, precision
 from refdem.truth.closed_form import ClosedForm, per_precision
 from refdem.truth.events.crossing import Along, SwitchError, Watched, earliest
 from refdem.truth.growth import Grows, UnsharpError, upper
@@ -49,6 +52,8 @@ SIGMA = 4
 """Where sigma stands in COORDINATES."""
 MOST_PIECES = 16
 """A contact with more pieces is not followed."""
+BITS_OF_BOUND = 64
+"""The working precision of a bound, of which few digits matter."""
 Matrix = tuple[tuple[Fraction, ...], ...]
 
 
@@ -122,6 +127,35 @@ class ContactPath(ClosedForm):
     def __init__(self, scale: Mapping[str, Size], path: Passing) -> None:
         self.refiner = Refiner.of(scale)
         self.path = path
+
+    def at(self, t: Fraction) -> dict[str, Ball]:
+        """Every quantity at the exact time t [s]; NotCertifiedError where more digits are asked for
+        than the finite masses leave, at any precision.
+        """
+        most = self.most_digits()
+        if self.digits > most:
+            if most > 0:
+                remedy = f"which leaves {most} digits; ask for at most {most}, or for a faster path"
+            else:
+                remedy = "which leaves no digit; take a faster path, or a smaller stiffness"
+            raise NotCertifiedError(
+                f"at t = {float(t):.17g} s: precision: the path is straight only as far as spheres"
+                f" of {float(self.path.mass):.3g} kg do not give way to the force, {remedy}",
+                code="precision",
+                time=0.0,
+            )
+        return super().at(t)
+
+    def most_digits(self) -> int:
+        """The number of digits that are certified, of the quantity with the smallest scale: what
+        finite masses may change is less than a unit of the last one.
+        """
+        # A component in axes of space is a sum over those of the plane.
+        spread = max(sum(map(abs, row), Fraction(0)) for row in self.path.frame)
+        with precision(BITS_OF_BOUND):
+            bound = ball_of(total_bound(self.path) * arb_of(spread))
+        one_digit = self.refiner.to(0).target()
+        return floor(log10(one_digit / (bound.mid + bound.radius)))
 
     def displaced(self, axis: int, amount: Fraction) -> Self:
         """The path from a start whose coordinate `axis` is larger by `amount`."""

@@ -2,6 +2,7 @@
 and a frame that is turned.
 """
 
+import re
 from fractions import Fraction
 from functools import cache
 
@@ -131,3 +132,23 @@ def test_the_force_turns_with_the_pair_and_what_gives_way_is_in_the_radius():
         ]
         assert max(apart) <= 10 * max(turned[f"{kind}.{axis}"].radius for axis in "xyz")
     assert plain["impulse.x"].radius > 0
+
+
+@pytest.mark.parametrize("name", ["contact-path", "contact-path-turned"])
+def test_digits_are_certified_as_far_as_the_spheres_do_not_give_way_and_the_refusal_says_how_far(
+    name,
+):
+    truth = found(name)[1]
+    with pytest.raises(NotCertifiedError, match="give way") as caught:
+        truth.refined(60).at(Fraction(1))
+    said = re.search(r"ask for at most (\d+)", str(caught.value))
+    most = int(said.group(1))
+    assert most >= 40
+    size = min(1, *truth.scale.values())
+    balls = truth.refined(most).at(Fraction(1))
+    assert max(ball.radius for ball in balls.values()) <= size / Fraction(10) ** most
+
+
+def test_a_path_so_slow_that_the_spheres_give_way_at_once_has_no_digits():
+    with pytest.raises(NotCertifiedError, match="no digit; take a faster path"):
+        found(speed="1e-30")[1].at(Fraction(1))
