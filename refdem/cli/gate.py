@@ -31,6 +31,10 @@ def command(
     ] = False,
     why: Annotated[str, typer.Option(help="With --bless: why these findings are right.")] = "",
     junit: Annotated[Path | None, typer.Option(help="File for JUnit XML.")] = None,
+    sarif: Annotated[
+        Path | None,
+        typer.Option(help="File for SARIF 2.1.0, which code hosts show beside a change."),
+    ] = None,
     markdown: Annotated[
         Path | None, typer.Option(help="File for the Markdown summary of a pull request.")
     ] = None,
@@ -57,43 +61,58 @@ def command(
     from refdem.cli.summary import exit_status, lines
     from refdem.gate import markdown as gate_markdown
     from refdem.gate.gate import of_program
+    from refdem.report import write_report
     from refdem.report.files import written_to
 
     if bless and not why.strip():
         raise UsageError(
             "--bless came without --why; say in a few words why these findings are right"
         )
-    refuse_unwritable_file(junit, "--junit")
-    refuse_unwritable_file(markdown, "--markdown")
+    for option, file in (("--junit", junit), ("--sarif", sarif), ("--markdown", markdown)):
+        refuse_unwritable_file(file, option)
     if out is not None:
         refuse_unwritable(out)
     gate = of_program(toml, baseline, workers(jobs), Progress())
     if bless:
         refuse_unwritable_file(gate.baseline, "--baseline")
-    # A baseline that cannot be read is refused before any program runs.
-    if gate.baseline.is_file():
-        gate.accepted()
-    sheets = gate.sheets()
-    if bless:
-        _bless(gate, sheets, why)
-    elif gate.baseline.is_file():
-        sheets = gate.against_baseline(sheets)
+    sheets = _judged(gate, bless=bless, why=why)
     print("\n".join(lines(sheets)))
-    _write(sheets, gate, junit, out)
-    if resolution:
-        found = gate.resolution()
-        print("\n".join(_noticed(found)))
-        _write([*sheets, *found], gate, None, out)
     if markdown is not None:
-        written_to(markdown, gate_markdown.markdown(gate.engine.name, sheets), "--markdown")
+        text = gate_markdown.markdown(gate.engine.name, sheets)
+        written_to(markdown, text, "--markdown")
+    _write(sheets, toml, junit, sarif)
+    found = _noticed(gate, is_asked=resolution)
+    if out is not None:
+        write_report(out, [*sheets, *found], gate.store)
     if os.environ.get("GITHUB_ACTIONS") == "true":
         print("\n".join(gate_markdown.annotations(sheets)))
     raise typer.Exit(_verdict(gate, exit_status(sheets)))
 
 
-def _noticed(found: "list[Resolution]") -> list[str]:
-    """A line for each case and method: what the gate would have noticed of its numbers."""
-    return [one_line(f"{one.label}, {one.method}: {one.sentence}", MOST_WORDS) for one in found]
+def _judged(gate: "Gate", *, bless: bool, why: str) -> "list[Sheet]":
+    """The sheets of the gate, which become its baseline or are compared with that."""
+    has_baseline = gate.baseline.is_file()
+    # A baseline that cannot be read is refused before any program runs.
+    if has_baseline:
+        gate.accepted()
+    sheets = gate.sheets()
+    if bless:
+        _bless(gate, sheets, why)
+    elif has_baseline:
+        sheets = gate.against_baseline(sheets)
+    return sheets
+
+
+def _noticed(gate: "Gate", *, is_asked: bool) -> "list[Resolution]":
+    """What the gate would have noticed of the numbers of its scenes, with a printed line for each
+    case and method; nothing unless it is asked for.
+    """
+    if not is_asked:
+        return []
+    found = gate.resolution()
+    for one in found:
+        print(one_line(f"{one.label}, {one.method}: {one.sentence}", MOST_WORDS))
+    return found
 
 
 def _verdict(gate: "Gate", status: int) -> int:
@@ -136,11 +155,11 @@ def _bless(gate: "Gate", sheets: "list[Sheet]", why: str) -> None:
         )
 
 
-def _write(sheets: "list[Sheet]", gate: "Gate", junit: Path | None, out: Path | None) -> None:
-    """Writes the JUnit file and the folder of the report, each if it was asked for."""
-    from refdem.report import write_junit, write_report
+def _write(sheets: "list[Sheet]", toml: Path, junit: Path | None, sarif: Path | None) -> None:
+    """Writes the JUnit and the SARIF file, each if it was asked for."""
+    from refdem.report import write_junit, write_sarif
 
     if junit is not None:
         write_junit(junit, sheets)
-    if out is not None:
-        write_report(out, sheets, gate.store)
+    if sarif is not None:
+        write_sarif(sarif, sheets, toml)

@@ -96,6 +96,17 @@ def write_junit(path: Path, sheets: "Iterable[Sheet]") -> None:
     written_to(Path(path), junit(contents_of(sheets)), "--junit")
 
 
+def write_sarif(path: Path, sheets: "Iterable[Sheet]", described_in: Path) -> None:
+    """Writes the findings that close a gate as SARIF, at the refdem.toml that describes the
+    program; raises StoreError if the file cannot be written.
+    """
+    from refdem.report.contents import contents_of
+    from refdem.report.files import written_to
+    from refdem.report.sarif import sarif
+
+    written_to(Path(path), sarif(contents_of(sheets), described_in), "--sarif")
+
+
 def records(folder: Path | str) -> "Tables":
     """DataFrames `findings`, `tolerance` and `levels` of the report in a folder."""
     from refdem.report.tables import tables

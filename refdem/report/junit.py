@@ -1,6 +1,7 @@
 """Findings as JUnit XML, for continuous integration: a finding is a test case."""
 
 import re
+from collections import Counter
 from xml.etree.ElementTree import Element, SubElement, indent, tostring
 
 from refdem.core.finding import BROKEN, FAILING, Finding, Record
@@ -17,6 +18,7 @@ def junit(contents: Contents) -> bytes:
     findings = list(contents.findings())
     counts: dict[str, int] = {str(outcome): count for outcome, count in contents.counts().items()}
     root = Element("testsuites", name="refdem")
+    sharing = Counter(id(record) for record, _ in findings)
     numbers = {
         "tests": len(findings),
         "failures": sum(counts.get(x, 0) for x in FAILING),
@@ -25,17 +27,22 @@ def junit(contents: Contents) -> bytes:
     }
     attributes = {key: str(value) for key, value in numbers.items()}
     name = _text(contents.campaign.name)
+    attributes["time"] = f"{sum(record.seconds for record in contents.records):.6f}"
     suite = SubElement(root, "testsuite", name=name, attrib=attributes)
     for record, finding in findings:
-        _testcase(suite, record, finding)
+        # The findings of a record share its runs.
+        _testcase(suite, record, finding, record.seconds / sharing[id(record)])
     indent(root)
     return bytes(tostring(root, encoding="utf-8", xml_declaration=True)) + b"\n"
 
 
-def _testcase(suite: Element, record: Record, finding: Finding) -> None:
-    """Adds a finding to the suite; one that passed has no element of its own."""
+def _testcase(suite: Element, record: Record, finding: Finding, seconds: float) -> None:
+    """Adds a finding to the suite, with its share of the seconds in the engine; one that passed has
+    no element of its own.
+    """
     place = _text(f"{record.label}/{record.engine}")
-    item = SubElement(suite, "testcase", classname=place, name=_text(record.id(finding)))
+    name = _text(record.id(finding))
+    item = SubElement(suite, "testcase", classname=place, name=name, time=f"{seconds:.6f}")
     message = _text(finding.sentence)
     if finding.outcome in BROKEN:
         if finding.outcome == "error":

@@ -29,6 +29,7 @@ WRITING = {
     "run": ["run", "harmonic-oscillator", "--engine", "refdem.toml", "--out"],
     "gate": ["gate", "--out"],
     "gate --junit": ["gate", "--junit"],
+    "gate --sarif": ["gate", "--sarif"],
     "gate --markdown": ["gate", "--markdown"],
     "judge": ["judge", "exported", "--out"],
     "stress": ["stress", "two-spheres", "--engine", "reference", "--out"],

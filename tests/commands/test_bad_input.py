@@ -63,6 +63,7 @@ def _own_store(tmp_path, monkeypatch):
         (["run", "pendulum", "--campaign", "nope"], "no campaign 'nope'"),
         (["certify", "--check", "pendulm"], "did you mean 'pendulum'"),
         (["gate", "--markdown", "nowhere/gate.md"], "--markdown cannot be written"),
+        (["gate", "--sarif", "nowhere/gate.sarif"], "--sarif cannot be written"),
         (["gate", "--junit", "nowhere/gate.xml"], "--junit cannot be written"),
         (["run", "--campaign", "mine/of/mine.toml"], "no campaign 'mine/of/mine.toml'"),
         (["run", "pendulum; rm -rf /"], "is not a name"),

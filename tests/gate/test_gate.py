@@ -41,6 +41,34 @@ def test_a_flipped_sign_closes_the_gate_although_the_version_stays(program):
     assert list(ElementTree.parse(program.folder / "gate.xml").getroot().iter("failure"))
 
 
+def test_what_closes_a_gate_is_told_to_a_code_host_at_the_claims_of_the_program(program):
+    program.bless()
+    assert program.gate("--sarif", "gate.sarif").returncode == 0
+    assert sarif_run(program)["results"] == []
+    program.spoil("x += h * v", "x -= h * v")
+    assert program.gate("--sarif", "gate.sarif").returncode == 1
+    run = sarif_run(program)
+    rules = [rule["id"] for rule in run["tool"]["driver"]["rules"]]
+    results = run["results"]
+    assert "error" in rules
+    names = [result["message"]["text"].split(": ")[0] for result in results]
+    assert "harmonic-oscillator/spring/leapfrog/error/x" in names
+    for result in results:
+        assert rules[result["ruleIndex"]] == result["ruleId"]
+        (place,) = result["locations"]
+        assert (program.folder / place["physicalLocation"]["artifactLocation"]["uri"]).is_file()
+    fingerprints = {result["partialFingerprints"]["finding/v1"] for result in results}
+    assert len(fingerprints) == len(results)
+
+
+def sarif_run(program):
+    """The one run of the SARIF file that the gate wrote."""
+    document = json.loads((program.folder / "gate.sarif").read_text())
+    assert document["version"] == "2.1.0"
+    (run,) = document["runs"]
+    return run
+
+
 def test_an_error_constant_that_doubles_is_worse_although_it_holds_its_bound(program):
     program.bless()
     program.spoil(

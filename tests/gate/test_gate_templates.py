@@ -1,5 +1,6 @@
 """The templates for other repositories, run step by step as their services would."""
 
+import json
 import os
 import re
 import shutil
@@ -69,10 +70,10 @@ def github(runner, program):
     """Every step of the action with its inputs at their defaults; the status of the first that
     fails.
     """
-    action = yaml.safe_load((ROOT / "ci" / "gate" / "action.yml").read_text())
+    action = yaml.safe_load((ROOT / "action.yml").read_text())
     known = {f"inputs.{name}": value["default"] for name, value in action["inputs"].items()}
     known |= {
-        "github.action_path": str(ROOT / "ci" / "gate"),
+        "github.action_path": str(ROOT),
         "runner.temp": str(program.folder / "temporary"),
     }
     for step in action["runs"]["steps"]:
@@ -122,6 +123,13 @@ def gitlab(runner, program, published, **other):
     return runner("\n".join(job["script"]), **(job["variables"] | asked | other))
 
 
+def told_to_the_host(program):
+    """The results in the SARIF file that the action names as its output."""
+    (output,) = yaml.safe_load((ROOT / "action.yml").read_text())["outputs"].values()
+    (run,) = json.loads((program.folder / output["value"]).read_text())["runs"]
+    return run["results"]
+
+
 @pytest.mark.parametrize("service", ["github", "gitlab"])
 def test_a_service_opens_for_a_blessed_program_and_closes_for_a_spoiled_one(
     program, runner, published, service
@@ -138,6 +146,7 @@ def test_a_service_opens_for_a_blessed_program_and_closes_for_a_spoiled_one(
     assert "--require-hashes" in packages
     assert "--no-deps --no-build-isolation" in itself
     if service == "github":
+        assert told_to_the_host(program) == []
         installed_from = str(ROOT)
     else:
         installed_from = str(program.folder / "place" / "source")
@@ -148,6 +157,7 @@ def test_a_service_opens_for_a_blessed_program_and_closes_for_a_spoiled_one(
     assert "is closed" in (program.folder / "refdem-gate.md").read_text()
     assert (program.folder / "refdem-report" / "index.html").is_file()
     if service == "github":
+        assert told_to_the_host(program)
         assert "is closed" in (program.folder / "summary.md").read_text()
         assert "::error title=" in output
 
@@ -174,7 +184,7 @@ def test_the_templates_name_nothing_that_somebody_else_could_move():
     assert gitlab_job()["image"] == "$REFDEM_IMAGE"
     assert "REFDEM_IMAGE" not in gitlab_job()["variables"]
     assert "REFDEM_COMMIT" not in gitlab_job()["variables"]
-    used = re.findall(r"uses: (\S+)@(.*)", (ROOT / "ci" / "gate" / "action.yml").read_text())
+    used = re.findall(r"uses: (\S+)@(.*)", (ROOT / "action.yml").read_text())
     assert len(used) == 2
     for action, pinned in used:
         assert pinned.startswith("<40 hexadecimal digits"), action

@@ -12,6 +12,7 @@ from urllib.parse import unquote, urlsplit
 from xml.etree import ElementTree
 
 import pytest
+from msgspec.structs import replace
 
 from refdem.core.finding import CampaignSheet, Finding, Record
 from refdem.report import write_report
@@ -245,6 +246,19 @@ def test_junit_counts_failures_and_skips_with_their_reasons(folder, sheets):
     assert "gamma has no rod." in {
         skipped.get("message") for skipped in suite.findall("testcase/skipped")
     }
+
+
+def test_the_findings_of_a_record_share_the_seconds_of_its_runs(sheets):
+    records = [sheet for sheet in sheets if isinstance(sheet, Record)]
+    timed = [
+        replace(record, seconds=float(number)) for number, record in enumerate(records, start=1)
+    ]
+    document = junit(contents_of([sheet for sheet in sheets if sheet not in records] + timed))
+    suite = ElementTree.fromstring(document).find("testsuite")
+    seconds = sum(float(item.get("time")) for item in suite.findall("testcase"))
+    expected = sum(record.seconds for record in timed if record.findings)
+    assert seconds == pytest.approx(expected, abs=1e-6 * len(list(suite)))
+    assert float(suite.get("time")) == pytest.approx(sum(record.seconds for record in timed))
 
 
 def test_junit_is_well_formed_whatever_a_sentence_holds():
