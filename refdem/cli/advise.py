@@ -93,7 +93,7 @@ def asked(cases: list[str], pairs: list[str], motion: str) -> "Specification":
             f" {'both' if cases else 'neither'}"
         )
     if cases:
-        return asked_for([label for words in cases for label in named_or_found(words)], pairs, "")
+        return asked_for(labels_found(cases), pairs, "")
     if pairs:
         raise UsageError("--set came with --motion, whose cases have parameters of their own")
     known = completion.known_motions()
@@ -109,19 +109,33 @@ def asked(cases: list[str], pairs: list[str], motion: str) -> "Specification":
     return msgspec.structs.replace(main, case=entries, required="", is_part=True)
 
 
-def named_or_found(text: str) -> list[str]:
-    """The label of a case as it is, or the ids of the cases that a word finds; the text itself if
-    it is neither.
+def labels_found(texts: list[str]) -> list[str]:
+    """The labels among the texts as they are, and the ids of the cases that the other texts find:
+    all of these words together, or else each of them.
+
+    A text that finds nothing stays as it is.
     """
+    from refdem.core import discovery
+
+    known = discovery.names("cases")
+    labels = [text for text in texts if text.partition("[")[0] in known]
+    words = [text for text in texts if text not in labels]
+    found = motions_about(" ".join(words))
+    if not found:
+        for word in words:
+            found += motions_about(word) or [word]
+    # Two words may find the same case.
+    return labels + [name for name in dict.fromkeys(found) if name not in labels]
+
+
+def motions_about(text: str) -> list[str]:
+    """Ids of the cases with parameters of their own, no selections, that a text finds."""
     from refdem.core import discovery
     from refdem.core.case import Canonical
 
-    if text.partition("[")[0] in discovery.names("cases"):
-        return [text]
-    found = [
+    return [
         name for name in discovery.cases_about(text) if isinstance(discovery.case(name), Canonical)
     ]
-    return found or [text]
 
 
 def measured(

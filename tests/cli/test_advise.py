@@ -5,6 +5,7 @@ import json
 import pytest
 from typer.testing import CliRunner
 
+from refdem.cli.advise import labels_found
 from refdem.cli.app import app
 from refdem.core import discovery
 from refdem.core.case import Canonical
@@ -61,6 +62,22 @@ def test_a_word_that_is_no_case_asks_for_the_cases_that_it_finds():
     assert "pymunk: not measured in 3 of 3: " in done.stdout
     for case in ("free-rigid-body", "heavy-top", "neglected-gyroscopic"):
         assert case in done.stdout
+
+
+def test_words_of_one_thing_find_the_cases_that_have_all_of_them():
+    assert labels_found(["bouncing", "ball"]) == ["bouncing-ball"]
+    assert labels_found(["pendulum[theta0=1]", "gear"]) == [
+        "pendulum[theta0=1]",
+        "degrees-of-freedom",
+        "pendulum-wheel-mass",
+    ]
+
+
+def test_words_of_several_things_find_the_cases_of_each_once():
+    found = labels_found(["snooker", "pool"])
+    assert found == ["billiard-break"]
+    found = labels_found(["snooker", "kepler", "pool"])
+    assert sorted(found) == ["billiard-break", "billiards", "two-body-orbit"]
 
 
 def test_a_word_that_finds_nothing_is_refused():
