@@ -17,6 +17,8 @@ if TYPE_CHECKING:
 
 MOST_DIGITS = 15.0
 """More than these binary64 does not have."""
+MOST_ROWS = 40
+"""Settings that a table shows one by one: a screen of them."""
 CHECKS = ("error", "order")
 """Checks whose runs tell the error at every step, and how it falls."""
 
@@ -63,12 +65,11 @@ def command(
     contents = measured(asked(case or [], set or [], motion), engine or [], jobs, CHECKS)
     found = advice.recommendations(advice.choices(contents, digits))
     losses = advice.losses(contents)
-    missing = advice.without(contents)
     if json:
-        print_json(digits, found, losses, missing)
+        print_json(digits, found, losses, advice.without(contents))
     else:
         # Names of engines and methods may come from a file.
-        printed = lines(contents, digits, found, losses, missing)
+        printed = lines(contents, digits, found, losses)
         print("\n".join(shown(line) for line in printed))
     if not found:
         raise typer.Exit(2)
@@ -163,7 +164,6 @@ def lines(
     digits: float,
     found: "list[Recommendation]",
     losses: "list[Loss]",
-    missing: dict[str, list[str]],
 ) -> list[str]:
     """The advice, line by line: methods, then every setting, then what the default step loses."""
     settings = len(contents.cases)
@@ -174,8 +174,9 @@ def lines(
     ]
     for one in found:
         printed.append(recommended(one, digits, settings))
-    for engine, labels in missing.items():
-        printed.append(f"{engine}: not measured in {len(labels)} of {settings}: {listed(labels)}")
+    without = unmeasured(contents)
+    if without:
+        printed += ["", *without]
     if found:
         printed += ["", *table(found), "tau: the shortest time of the motion in its setting"]
     if losses:
@@ -183,6 +184,44 @@ def lines(
     for loss in losses:
         printed.append(lost(loss))
     return printed
+
+
+def unmeasured(contents: "Contents") -> list[str]:
+    """For every engine in how many settings none of its methods was measured, then a line a reason,
+    with the cases that have it.
+    """
+    from refdem.report import advice
+
+    printed = []
+    for engine, labels in advice.without(contents).items():
+        of_reason: dict[str, list[str]] = {}
+        for label in labels:
+            of_reason.setdefault(reason(contents, label, engine), []).append(label)
+        printed.append(f"{engine}: not measured in {len(labels)} of {len(contents.cases)}")
+        for sentence, own in sorted(of_reason.items(), key=lambda item: -len(item[1])):
+            printed.append(f"    {sentence} ({listed(own)})")
+    return printed
+
+
+def reason(contents: "Contents", label: str, engine: str) -> str:
+    """Why no method of an engine was measured in a setting: the reason that most of its methods
+    give, and how many others there are.
+    """
+    from refdem.core.outside import one_line
+
+    sentences = Counter(
+        finding.sentence
+        for record in contents.of(label)
+        if record.engine == engine
+        for finding in record.findings
+    )
+    if not sentences:
+        return "No check of errors applies."
+    (sentence, _), *others = sentences.most_common()
+    text = one_line(sentence)
+    if others:
+        text += f" And {counted(len(others), 'other reason')} in other methods."
+    return text
 
 
 def recommended(one: "Recommendation", digits: float, settings: int) -> str:
@@ -219,14 +258,18 @@ def recommended(one: "Recommendation", digits: float, settings: int) -> str:
     )
 
 
-def table(found: "Iterable[Recommendation]") -> list[str]:
+def table(found: "list[Recommendation]") -> list[str]:
     """Every method in every setting in which it holds the digits: step, steps in tau, error,
     cost.
+
+    Of more than MOST_ROWS of these, one a case: the setting that asks for the most steps.
     """
+    held = [choice for one in found for choice in one.held]
+    are_hardest = len(held) > MOST_ROWS
+    if are_hardest:
+        held = hardest(held)
     rows = [("setting", "method", "step [s]", "steps per tau", "error", "cost [s/s]")]
-    for one in found:
-        for choice in one.held:
-            rows.append(cells(choice))
+    rows += [cells(choice) for choice in held]
     widths = [max(len(row[column]) for row in rows) for column in range(len(rows[0]))]
     printed = []
     for row in rows:
@@ -234,11 +277,32 @@ def table(found: "Iterable[Recommendation]") -> list[str]:
         words = [text.ljust(width) for text, width in zip(row[:2], widths[:2], strict=True)]
         numbers = [text.rjust(width) for text, width in zip(row[2:], widths[2:], strict=True)]
         printed.append("  ".join([*words, *numbers]).rstrip())
-    if any(choice.is_extrapolated for one in found for choice in one.held):
+    if are_hardest:
+        printed.append("a row a case, for the setting that asks most; --json has every setting")
+    if any(choice.is_extrapolated for choice in held):
         printed.append("~ extrapolated by the measured order: no step as small as this ran")
-    if any(choice.is_coarsest for one in found for choice in one.held):
+    if any(choice.is_coarsest for choice in held):
         printed.append(">= the largest step that ran: a larger one may do")
     return printed
+
+
+def hardest(held: "Iterable[Choice]") -> "list[Choice]":
+    """Of every method the choice of each case that asks most: the most steps per tau, or the
+    smallest tolerance, and of equals the one that costs most.
+    """
+
+    def asks(choice: "Choice") -> tuple[float, float]:
+        if choice.steps_per_tau is not None:
+            return choice.steps_per_tau, choice.cost
+        # An exact method has no level; a smaller tolerance asks for more.
+        return -(choice.level or 0.0), choice.cost
+
+    of_case: dict[tuple[str, str], Choice] = {}
+    for choice in held:
+        key = (choice.name, choice.record.case)
+        if key not in of_case or asks(choice) > asks(of_case[key]):
+            of_case[key] = choice
+    return list(of_case.values())
 
 
 def cells(choice: "Choice") -> tuple[str, str, str, str, str, str]:

@@ -138,14 +138,19 @@ def asked(instance: "Instance") -> list[str]:
 
 
 def show(tasks: "Iterable[Task]") -> None:
-    """Prints the methods of one engine: refusals, or runs and checks; why a check is left out once
-    for all of them.
+    """Prints the methods of one engine: runs and checks, then why a check is left out and why a
+    method is refused, each reason once for all of them.
     """
     left_out: dict[str, list[str]] = {}
+    refused: dict[str, list[str]] = {}
     for task in tasks:
         title = f"  {task.engine.name}/{task.method.name}"
         if task.unsupported is not None:
-            print(f"{title}: not supported: {one_line(task.unsupported)}")
+            # What is there comes first, what a method expects after it.
+            reason = one_line(task.unsupported).partition("; expected")[0]
+            refused.setdefault(f"{task.engine.name}: not supported: {reason}", []).append(
+                task.method.name
+            )
             continue
         levels = (
             ", ".join(f"{level:.3g}" for level in task.subject.levels if level) or "one run, exact"
@@ -158,3 +163,5 @@ def show(tasks: "Iterable[Task]") -> None:
             left_out.setdefault(f"{name}: {reason}", []).append(task.method.name)
     for reason, methods in left_out.items():
         print(f"      without {one_line(reason)} ({', '.join(methods)})")
+    for refusal, methods in refused.items():
+        print(f"  {refusal} ({', '.join(methods)})")
