@@ -58,6 +58,7 @@ def command(
     from refdem.campaign.specification import Entry, Specification
     from refdem.campaign.truths import sampled_truths
     from refdem.cli.progress import Progress
+    from refdem.cli.without_effect import sentences
     from refdem.core.parameters import labelled, settings
     from refdem.core.store import Store, default_path
     from refdem.errors import UsageError
@@ -84,6 +85,9 @@ def command(
             (truth,) = sampled_truths(schedule, store, [(instance, ())], Progress())
         if truth.reason:
             print(f"  certified for {truth.until} of {len(instance.times)} samples: {truth.reason}")
+        else:
+            for sentence in sentences(instance, store):
+                print(f"  {sentence}")
         for chosen_engine in engines:
             show(plan.tasks(specification, instance, only, chosen_engine, truth, truth.reason))
     for missing_engine, reason in missing.items():

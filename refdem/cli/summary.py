@@ -73,12 +73,19 @@ def lines(sheets: list[Sheet]) -> list[str]:
     return printed
 
 
-def printed_json(sheets: list[Sheet], report: Path, changes: list[str], absent: list[str]) -> str:
+def printed_json(
+    sheets: list[Sheet],
+    report: Path,
+    changes: list[str],
+    absent: list[str],
+    without_effect: list[str],
+) -> str:
     """The outcome of a run as JSON: how many findings have each outcome, every finding that failed
     or broke, why engines judged nothing, and where the report is.
 
     `changes` are those to the list of findings that the campaign must make; `absent` has a sentence
-    for each engine that was asked for and is not installed.
+    for each engine that was asked for and is not installed, `without_effect` one for each parameter
+    that changes nothing.
     """
     findings = worst_first(sheets)
     counts = Counter[str](finding.outcome for _, finding in findings)
@@ -93,6 +100,7 @@ def printed_json(sheets: list[Sheet], report: Path, changes: list[str], absent: 
         "broken": broken,
         "unjudged": unjudged(sheets),
         "absent": absent,
+        "without_effect": without_effect,
         "changes": changes,
         "report": str(report),
     }
