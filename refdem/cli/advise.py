@@ -287,8 +287,8 @@ def table(found: "list[Recommendation]") -> list[str]:
 
 
 def hardest(held: "Iterable[Choice]") -> "list[Choice]":
-    """Of every method the choice of each case that asks most: the most steps per tau, or the
-    smallest tolerance, and of equals the one that costs most.
+    """The choice of each case and method that asks most: the most steps per tau, or the smallest
+    tolerance, and of equals the one that costs most.
     """
 
     def asks(choice: "Choice") -> tuple[float, float]:
