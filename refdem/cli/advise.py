@@ -231,29 +231,27 @@ def recommended(one: "Recommendation", digits: float, settings: int) -> str:
     if not one.held:
         best = min(choice.error for choice in one.lacking)
         return (
-            f"{name}: does not hold {digits:g} digits in any of {counted(of_all, 'setting')}; its"
+            f"{name}: does not hold {digits:g} digits in {every(of_all)} that it can run; its"
             f" smallest error is {best:.1e}"
         )
     if one.holds and of_all == settings:
-        where = counted(of_all, "setting")
-        if of_all > 1:
-            where = f"all {where}"
+        where = every(of_all)
     elif one.holds:
-        where = f"all {of_all} of {settings} settings that it can run"
+        where = f"{every(of_all)} that it can run, of {settings}"
     else:
         labels = [choice.record.label for choice in one.lacking]
         where = f"{len(one.held)} of {of_all} settings, not in {listed(labels)}"
     if one.tolerance is not None:
         how = f"a tolerance of {one.tolerance:.2g}"
     elif one.steps_per_tau is None:
-        how = "exact, any step"
+        how = "exact at any step"
     else:
         how = f"{math.ceil(one.steps_per_tau)} steps per tau"
     extrapolated = ""
     if one.extrapolated:
         extrapolated = f" ({one.extrapolated} extrapolated)"
     return (
-        f"{name}: {how}{extrapolated} in {where}; a second of motion takes at most"
+        f"{name}: {how}{extrapolated}, in {where}; a second of motion takes at most"
         f" {one.cost:.1e} s to compute"
     )
 
@@ -359,6 +357,13 @@ def listed(labels: list[str]) -> str:
         else:
             words.append(f"{case} ({number} settings)")
     return ", ".join(words)
+
+
+def every(number: int) -> str:
+    """The settings, all of them: `the setting`, `each of the 3 settings`."""
+    if number == 1:
+        return "the only setting"
+    return f"each of the {number} settings"
 
 
 def counted(number: int, noun: str) -> str:

@@ -99,7 +99,10 @@ def table(contents: "Contents", label: str, digits: float) -> list[str]:
             )
         )
     widths = [max(len(line[column]) for line in cells) for column in range(len(head))]
-    lines = [f"{label}: step and cost for {digits:g} digits; digits: the most that were measured"]
+    lines = [
+        f"{label}: step and cost for {digits:g} digits; digits: the most that were measured;"
+        " order: measured of claimed"
+    ]
     for line in cells:
         padded = [text.ljust(width) for text, width in zip(line, widths, strict=True)]
         lines.append("  " + "  ".join(padded).rstrip())

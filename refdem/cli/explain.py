@@ -166,6 +166,6 @@ def show(tasks: "Iterable[Task]") -> None:
         for name, reason in task.left_out.items():
             left_out.setdefault(f"{name}: {reason}", []).append(task.method.name)
     for reason, methods in left_out.items():
-        print(f"      without {one_line(reason)} ({', '.join(methods)})")
+        print(f"      not checked: {one_line(reason)} ({', '.join(methods)})")
     for refusal, methods in refused.items():
         print(f"  {refusal} ({', '.join(methods)})")

@@ -42,14 +42,14 @@ def test_the_advised_step_is_one_that_holds_the_digits():
             assert setting["level"] is None or setting["error"] <= 1e-3 * (1 + 1e-12)
     text = called(*asked).stdout
     assert text.startswith("3 digits: errors of at most 0.001 of each quantity's scale")
-    assert "reference/exact-pendulum: exact, any step in 1 setting" in text
+    assert "reference/exact-pendulum: exact at any step, in the only setting" in text
 
 
 def test_digits_that_no_method_holds_are_exit_status_1():
     asked = ("advise", *PENDULUM, "--engine", "pymunk", "--jobs", "1", "--digits", "12")
     done = called(*asked)
     assert done.exit_code == 1
-    assert "does not hold 12 digits in any of 1 setting" in done.stdout
+    assert "does not hold 12 digits in the only setting that it can run" in done.stdout
 
 
 def test_an_engine_that_cannot_say_the_case_is_exit_status_2():
