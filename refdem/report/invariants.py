@@ -181,7 +181,7 @@ def _conserved(record: Record, law: Law, default_step: float | None) -> Conserve
     order = _order(record.findings)
     at_default = None
     if verdict == "approximate" and change is not None and order is not None:
-        at_default = _at_step(change, order, _finest_step(record.findings), default_step)
+        at_default = _at_step(change, order, _steps(record.findings), default_step)
     return Conserved(
         verdict=verdict,
         change=change,
@@ -192,24 +192,26 @@ def _conserved(record: Record, law: Law, default_step: float | None) -> Conserve
     )
 
 
-def _at_step(change: float, order: float, finest: float | None, step: float | None) -> float | None:
-    """The change at a step [s], from that at the finest one: change ~ h^p, from round-off to a
-    change of the whole scale.
+def _at_step(change: float, order: float, steps: list[float], step: float | None) -> float | None:
+    """The change at a step [s], from that at the finest one: change ~ h^p, and at least round-off.
+
+    None for a step that is larger than all that ran: nobody knows whether the order holds there.
     """
-    if finest is None or step is None:
+    if not steps or step is None or step > max(steps):
         return None
-    ratio = math.pow(step / finest, order)
-    return min(1.0, max(KEPT, change * ratio))
+    ratio = math.pow(step / min(steps), order)
+    return max(KEPT, change * ratio)
 
 
-def _finest_step(findings: Iterable[Finding]) -> float | None:
-    """The smallest step [s] of which an error was measured; None for a method without steps."""
-    steps = [
-        finding.levels[-1].level
+def _steps(findings: Iterable[Finding]) -> list[float]:
+    """The steps [s] of which an error was measured; none for a method without steps."""
+    return [
+        level.level
         for finding in findings
-        if finding.check == "error" and finding.levels and finding.order_claimed is not None
+        if finding.check == "error" and finding.order_claimed is not None
+        for level in finding.levels
+        if level.level > 0
     ]
-    return min((step for step in steps if step > 0), default=None)
 
 
 def _change(judged: list[Finding], law: Law) -> float | None:

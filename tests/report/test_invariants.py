@@ -135,9 +135,9 @@ def test_the_change_at_the_default_step_follows_from_the_finest_one_and_the_orde
         # What is kept is kept at any step; without a default step nothing is said.
         (0.0, 0.05, None),
         (1e-6, None, None),
-        # From round-off to a change of the whole.
+        # Not below round-off, and not beyond the coarsest step that ran.
         (1e-11, 1e-6, KEPT),
-        (1e-2, 10.0, 1.0),
+        (1e-2, 0.11, None),
     ],
 )
 def test_the_change_at_the_default_step_has_limits(value, default_step, at_default):
