@@ -17,6 +17,8 @@ if TYPE_CHECKING:
 
 MOST_DIGITS = 15.0
 """More than these binary64 does not have."""
+MOST_ROWS = 40
+"""Settings that a table shows one by one: a screen of them."""
 CHECKS = ("error", "order")
 """Checks whose runs tell the error at every step, and how it falls."""
 
@@ -63,12 +65,11 @@ def command(
     contents = measured(asked(case or [], set or [], motion), engine or [], jobs, CHECKS)
     found = advice.recommendations(advice.choices(contents, digits))
     losses = advice.losses(contents)
-    missing = advice.without(contents)
     if json:
-        print_json(digits, found, losses, missing)
+        print_json(digits, found, losses, advice.without(contents))
     else:
         # Names of engines and methods may come from a file.
-        printed = lines(contents, digits, found, losses, missing)
+        printed = lines(contents, digits, found, losses)
         print("\n".join(shown(line) for line in printed))
     if not found:
         raise typer.Exit(2)
@@ -93,7 +94,7 @@ def asked(cases: list[str], pairs: list[str], motion: str) -> "Specification":
             f" {'both' if cases else 'neither'}"
         )
     if cases:
-        return asked_for([label for words in cases for label in named_or_found(words)], pairs, "")
+        return asked_for(labels_found(cases), pairs, "")
     if pairs:
         raise UsageError("--set came with --motion, whose cases have parameters of their own")
     known = completion.known_motions()
@@ -109,19 +110,33 @@ def asked(cases: list[str], pairs: list[str], motion: str) -> "Specification":
     return msgspec.structs.replace(main, case=entries, required="", is_part=True)
 
 
-def named_or_found(text: str) -> list[str]:
-    """The label of a case as it is, or the ids of the cases that a word finds; the text itself if
-    it is neither.
+def labels_found(texts: list[str]) -> list[str]:
+    """The labels among the texts as they are, and the ids of the cases that the other texts find:
+    all of these words together, or else each of them.
+
+    A text that finds nothing stays as it is.
     """
+    from refdem.core import discovery
+
+    known = discovery.names("cases")
+    labels = [text for text in texts if text.partition("[")[0] in known]
+    words = [text for text in texts if text not in labels]
+    found = motions_about(" ".join(words))
+    if not found:
+        for word in words:
+            found += motions_about(word) or [word]
+    # Two words may find the same case.
+    return labels + [name for name in dict.fromkeys(found) if name not in labels]
+
+
+def motions_about(text: str) -> list[str]:
+    """Ids of the cases with parameters of their own, no selections, that a text finds."""
     from refdem.core import discovery
     from refdem.core.case import Canonical
 
-    if text.partition("[")[0] in discovery.names("cases"):
-        return [text]
-    found = [
+    return [
         name for name in discovery.cases_about(text) if isinstance(discovery.case(name), Canonical)
     ]
-    return found or [text]
 
 
 def measured(
@@ -149,7 +164,6 @@ def lines(
     digits: float,
     found: "list[Recommendation]",
     losses: "list[Loss]",
-    missing: dict[str, list[str]],
 ) -> list[str]:
     """The advice, line by line: methods, then every setting, then what the default step loses."""
     settings = len(contents.cases)
@@ -160,8 +174,9 @@ def lines(
     ]
     for one in found:
         printed.append(recommended(one, digits, settings))
-    for engine, labels in missing.items():
-        printed.append(f"{engine}: not measured in {len(labels)} of {settings}: {listed(labels)}")
+    without = unmeasured(contents)
+    if without:
+        printed += ["", *without]
     if found:
         printed += ["", *table(found), "tau: the shortest time of the motion in its setting"]
     if losses:
@@ -171,6 +186,44 @@ def lines(
     return printed
 
 
+def unmeasured(contents: "Contents") -> list[str]:
+    """For every engine in how many settings none of its methods was measured, then a line a reason,
+    with the cases that have it.
+    """
+    from refdem.report import advice
+
+    printed = []
+    for engine, labels in advice.without(contents).items():
+        of_reason: dict[str, list[str]] = {}
+        for label in labels:
+            of_reason.setdefault(reason(contents, label, engine), []).append(label)
+        printed.append(f"{engine}: not measured in {len(labels)} of {len(contents.cases)}")
+        for sentence, own in sorted(of_reason.items(), key=lambda item: -len(item[1])):
+            printed.append(f"    {sentence} ({listed(own)})")
+    return printed
+
+
+def reason(contents: "Contents", label: str, engine: str) -> str:
+    """Why no method of an engine was measured in a setting: the reason that most of its methods
+    give, and how many others there are.
+    """
+    from refdem.core.outside import one_line
+
+    sentences = Counter(
+        finding.sentence
+        for record in contents.of(label)
+        if record.engine == engine
+        for finding in record.findings
+    )
+    if not sentences:
+        return "No check of errors applies."
+    (sentence, _), *others = sentences.most_common()
+    text = one_line(sentence)
+    if others:
+        text += f" And {counted(len(others), 'other reason')} in other methods."
+    return text
+
+
 def recommended(one: "Recommendation", digits: float, settings: int) -> str:
     """The sentence about one method in all of its settings, of so many that there are."""
     of_all = len(one.held) + len(one.lacking)
@@ -178,41 +231,43 @@ def recommended(one: "Recommendation", digits: float, settings: int) -> str:
     if not one.held:
         best = min(choice.error for choice in one.lacking)
         return (
-            f"{name}: does not hold {digits:g} digits in any of {counted(of_all, 'setting')}; its"
+            f"{name}: does not hold {digits:g} digits in {every(of_all)} that it can run; its"
             f" smallest error is {best:.1e}"
         )
     if one.holds and of_all == settings:
-        where = counted(of_all, "setting")
-        if of_all > 1:
-            where = f"all {where}"
+        where = every(of_all)
     elif one.holds:
-        where = f"all {of_all} of {settings} settings that it can run"
+        where = f"{every(of_all)} that it can run, of {settings}"
     else:
         labels = [choice.record.label for choice in one.lacking]
         where = f"{len(one.held)} of {of_all} settings, not in {listed(labels)}"
     if one.tolerance is not None:
         how = f"a tolerance of {one.tolerance:.2g}"
     elif one.steps_per_tau is None:
-        how = "exact, any step"
+        how = "exact at any step"
     else:
         how = f"{math.ceil(one.steps_per_tau)} steps per tau"
     extrapolated = ""
     if one.extrapolated:
         extrapolated = f" ({one.extrapolated} extrapolated)"
     return (
-        f"{name}: {how}{extrapolated} in {where}; a second of motion takes at most"
+        f"{name}: {how}{extrapolated}, in {where}; a second of motion takes at most"
         f" {one.cost:.1e} s to compute"
     )
 
 
-def table(found: "Iterable[Recommendation]") -> list[str]:
+def table(found: "list[Recommendation]") -> list[str]:
     """Every method in every setting in which it holds the digits: step, steps in tau, error,
     cost.
+
+    Of more than MOST_ROWS of these, one a case: the setting that asks for the most steps.
     """
+    held = [choice for one in found for choice in one.held]
+    are_hardest = len(held) > MOST_ROWS
+    if are_hardest:
+        held = hardest(held)
     rows = [("setting", "method", "step [s]", "steps per tau", "error", "cost [s/s]")]
-    for one in found:
-        for choice in one.held:
-            rows.append(cells(choice))
+    rows += [cells(choice) for choice in held]
     widths = [max(len(row[column]) for row in rows) for column in range(len(rows[0]))]
     printed = []
     for row in rows:
@@ -220,11 +275,32 @@ def table(found: "Iterable[Recommendation]") -> list[str]:
         words = [text.ljust(width) for text, width in zip(row[:2], widths[:2], strict=True)]
         numbers = [text.rjust(width) for text, width in zip(row[2:], widths[2:], strict=True)]
         printed.append("  ".join([*words, *numbers]).rstrip())
-    if any(choice.is_extrapolated for one in found for choice in one.held):
+    if are_hardest:
+        printed.append("a row a case, for the setting that asks most; --json has every setting")
+    if any(choice.is_extrapolated for choice in held):
         printed.append("~ extrapolated by the measured order: no step as small as this ran")
-    if any(choice.is_coarsest for one in found for choice in one.held):
+    if any(choice.is_coarsest for choice in held):
         printed.append(">= the largest step that ran: a larger one may do")
     return printed
+
+
+def hardest(held: "Iterable[Choice]") -> "list[Choice]":
+    """The choice of each case and method that asks most: the most steps per tau, or the smallest
+    tolerance, and of equals the one that costs most.
+    """
+
+    def asks(choice: "Choice") -> tuple[float, float]:
+        if choice.steps_per_tau is not None:
+            return choice.steps_per_tau, choice.cost
+        # An exact method has no level; a smaller tolerance asks for more.
+        return -(choice.level or 0.0), choice.cost
+
+    of_case: dict[tuple[str, str], Choice] = {}
+    for choice in held:
+        key = (choice.name, choice.record.case)
+        if key not in of_case or asks(choice) > asks(of_case[key]):
+            of_case[key] = choice
+    return list(of_case.values())
 
 
 def cells(choice: "Choice") -> tuple[str, str, str, str, str, str]:
@@ -281,6 +357,13 @@ def listed(labels: list[str]) -> str:
         else:
             words.append(f"{case} ({number} settings)")
     return ", ".join(words)
+
+
+def every(number: int) -> str:
+    """The settings, all of them: `the setting`, `each of the 3 settings`."""
+    if number == 1:
+        return "the only setting"
+    return f"each of the {number} settings"
 
 
 def counted(number: int, noun: str) -> str:

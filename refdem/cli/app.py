@@ -47,6 +47,7 @@ _FRAME = (
     "skeleton",
     "starter",
     "summary",
+    "without_effect",
 )
 
 for _path in sorted(Path(__file__).parent.glob("*.py")):

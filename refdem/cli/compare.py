@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from refdem.cli import completion, options
-from refdem.cli.advise import CHECKS, MOST_DIGITS, asked, counted, listed, measured, shown
+from refdem.cli.advise import CHECKS, MOST_DIGITS, asked, counted, measured, shown, unmeasured
 
 if TYPE_CHECKING:
     from refdem.core.finding import Record
@@ -63,9 +63,9 @@ def command(
     printed = []
     for sheet in contents.cases:
         printed += [*table(contents, sheet.label, digits), ""]
-    refused = refusals(contents)
-    if refused:
-        printed += [*refused, ""]
+    without = unmeasured(contents)
+    if without:
+        printed += [*without, ""]
     printed.append(answer(contents, digits))
     print("\n".join(map(shown, printed)).strip())
     counts = contents.counts()
@@ -99,7 +99,10 @@ def table(contents: "Contents", label: str, digits: float) -> list[str]:
             )
         )
     widths = [max(len(line[column]) for line in cells) for column in range(len(head))]
-    lines = [f"{label}: step and cost for {digits:g} digits; digits: the most that were measured"]
+    lines = [
+        f"{label}: step and cost for {digits:g} digits; digits: the most that were measured;"
+        " order: measured of claimed"
+    ]
     for line in cells:
         padded = [text.ljust(width) for text, width in zip(line, widths, strict=True)]
         lines.append("  " + "  ".join(padded).rstrip())
@@ -151,25 +154,6 @@ def law_of(record: "Record", law: str) -> str:
     if worst is None:
         return "-"
     return WORDS.get(worst, worst)
-
-
-def refusals(contents: "Contents") -> list[str]:
-    """For every engine the reasons for which none of its methods runs some of the cases, each with
-    these cases.
-    """
-    from refdem.core.outside import one_line
-
-    lines = []
-    for sheet in contents.engines:
-        labels: dict[str, list[str]] = {}
-        for case in contents.cases:
-            records = [one for one in contents.of(case.label) if one.engine == sheet.engine]
-            findings = [finding for record in records for finding in record.findings]
-            if findings and all(finding.outcome == "unsupported" for finding in findings):
-                labels.setdefault(one_line(findings[0].sentence), []).append(case.label)
-        for reason, own in labels.items():
-            lines.append(f"{sheet.engine}: {reason} ({listed(own)})")
-    return lines
 
 
 def answer(contents: "Contents", digits: float) -> str:

@@ -29,7 +29,7 @@ def command(
         int, typer.Option(help="Refinement level of the run to explain, 0 the coarsest.")
     ] = 0,
     seconds: Annotated[
-        float, typer.Option(help="Run time [s] after which the search for twins ends.", min=1)
+        float, typer.Option(help="Run time [s] after which no more known faults are tried.", min=1)
     ] = 120.0,
     json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
 ) -> None:

@@ -58,6 +58,7 @@ def command(
     from refdem.campaign.specification import Entry, Specification
     from refdem.campaign.truths import sampled_truths
     from refdem.cli.progress import Progress
+    from refdem.cli.without_effect import sentences
     from refdem.core.parameters import labelled, settings
     from refdem.core.store import Store, default_path
     from refdem.errors import UsageError
@@ -84,6 +85,9 @@ def command(
             (truth,) = sampled_truths(schedule, store, [(instance, ())], Progress())
         if truth.reason:
             print(f"  certified for {truth.until} of {len(instance.times)} samples: {truth.reason}")
+        else:
+            for sentence in sentences(instance, store):
+                print(f"  {sentence}")
         for chosen_engine in engines:
             show(plan.tasks(specification, instance, only, chosen_engine, truth, truth.reason))
     for missing_engine, reason in missing.items():
@@ -138,14 +142,19 @@ def asked(instance: "Instance") -> list[str]:
 
 
 def show(tasks: "Iterable[Task]") -> None:
-    """Prints the methods of one engine: refusals, or runs and checks; why a check is left out once
-    for all of them.
+    """Prints the methods of one engine: runs and checks, then why a check is left out and why a
+    method is refused, each reason once for all of them.
     """
     left_out: dict[str, list[str]] = {}
+    refused: dict[str, list[str]] = {}
     for task in tasks:
         title = f"  {task.engine.name}/{task.method.name}"
         if task.unsupported is not None:
-            print(f"{title}: not supported: {one_line(task.unsupported)}")
+            # What is there comes first, what a method expects after it.
+            reason = one_line(task.unsupported).partition("; expected")[0]
+            refused.setdefault(f"{task.engine.name}: not supported: {reason}", []).append(
+                task.method.name
+            )
             continue
         levels = (
             ", ".join(f"{level:.3g}" for level in task.subject.levels if level) or "one run, exact"
@@ -157,4 +166,6 @@ def show(tasks: "Iterable[Task]") -> None:
         for name, reason in task.left_out.items():
             left_out.setdefault(f"{name}: {reason}", []).append(task.method.name)
     for reason, methods in left_out.items():
-        print(f"      without {one_line(reason)} ({', '.join(methods)})")
+        print(f"      not checked: {one_line(reason)} ({', '.join(methods)})")
+    for refusal, methods in refused.items():
+        print(f"  {refusal} ({', '.join(methods)})")

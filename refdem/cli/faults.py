@@ -56,7 +56,8 @@ def command(
         print("\n".join(lines(matrix)))
     if not matrix.kills:
         raise UsageError(
-            f"nothing was judged: engine {engine} can carry none of the faults that were asked for"
+            f"nothing was judged: engine {engine} can be given none of the faults that were asked"
+            " for"
         )
     has_failed = bool(matrix.survivors() or matrix.alarms)
     raise typer.Exit(int(has_failed))
@@ -73,7 +74,7 @@ def lines(matrix: "Matrix") -> list[str]:
         # A heading for each class of faults.
         if kills[0].kind != kind:
             kind = kills[0].kind
-            printed.append(f"{kind:40}killed  beyond   by, and what else saw it")
+            printed.append(f"{kind:40}killed  beyond   by the check, and others that saw it")
         printed.append(_row(kills))
     for kill in matrix.survivors():
         printed.append(
@@ -83,7 +84,7 @@ def lines(matrix: "Matrix") -> list[str]:
     for alarm in matrix.alarms:
         printed.append(f"ALARM {alarm.id} (seed {alarm.seed}): {alarm.sentence}")
     if matrix.idle():
-        printed.append(f"checks that kill nothing: {', '.join(matrix.idle())}")
+        printed.append(f"checks that see none of the faults: {', '.join(matrix.idle())}")
     nearest_first = sorted(matrix.near.items(), key=lambda pair: pair[1])
     near = ", ".join(f"{name} {margin:.1f}" for name, margin in nearest_first)
     printed.append(f"decades between the correct engine and its bounds: {near}")

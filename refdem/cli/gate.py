@@ -121,8 +121,8 @@ def _verdict(gate: "Gate", status: int) -> int:
     """
     if not gate.baseline.is_file():
         advice = (
-            f"no baseline {gate.baseline}: the gate stays closed; accept these findings with:"
-            ' refdem gate --bless --why "first baseline"'
+            f"there is no baseline {gate.baseline} yet, so the gate fails; accept these findings"
+            ' with: refdem gate --bless --why "first baseline"'
         )
         print(one_line(advice))
         return 1

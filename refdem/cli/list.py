@@ -8,7 +8,9 @@ from refdem.errors import UsageError
 
 
 def command(
-    what: Annotated[str, typer.Argument(help="cases, engines or checks")] = "cases",
+    what: Annotated[
+        str, typer.Argument(help="cases, engines or checks; any other word finds cases.")
+    ] = "cases",
     about: Annotated[
         list[str] | None, typer.Argument(help="Words that a case is found by, as friction.")
     ] = None,
@@ -16,25 +18,25 @@ def command(
 ) -> None:
     """Lists cases with their parameters, engines and codes with their methods, or checks.
 
-    Example: refdem list cases friction
+    Example: refdem list friction
     """
     import json as format
 
     kinds = {"cases": case, "engines": engine, "checks": check}
+    words = about or []
     if what not in kinds:
-        raise UsageError(f"list got {what!r}; expected cases, engines or checks")
+        # A word alone is about cases: `refdem list satellite`.
+        words = [what, *words]
+        what = "cases"
     from refdem.core import codes, discovery
 
     listed = discovery.names(what)
-    if about:
-        text = " ".join(about)
+    if words:
         if what != "cases":
             raise UsageError(
-                f"list {what} got {text!r}; words find cases only: `refdem list cases`"
+                f"list {what} got {' '.join(words)!r}; words find cases only: `refdem list cases`"
             )
-        listed = discovery.cases_about(text)
-        if not listed:
-            raise UsageError(f"no case is about {text!r}; `refdem list cases` has them all")
+        listed = found(" ".join(words))
     if what == "engines":
         listed += [name for name in codes.descriptions() if name not in listed]
     items = [kinds[what](name) for name in listed]
@@ -48,6 +50,23 @@ def command(
                 f"    {line['name']:20} {line.get('default', ''):12} {line.get('unit', ''):8}"
                 f" {line.get('bounds', '')} {line['doc']}"
             )
+
+
+def found(text: str) -> list[str]:
+    """Ids of the cases that have all words of a text, or of the one that it names; raises
+    UsageError if there are none.
+    """
+    from refdem.core import discovery
+
+    if text in discovery.names("cases"):
+        return [text]
+    about = discovery.cases_about(text)
+    if not about:
+        raise UsageError(
+            f"no case is about {text!r}; `refdem list cases` has them all, `refdem list engines`"
+            " and `refdem list checks` the rest"
+        )
+    return about
 
 
 def case(name: str) -> dict[str, Any]:

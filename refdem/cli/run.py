@@ -74,6 +74,7 @@ def command(
     from refdem.cli.outputs import refuse_unwritable
     from refdem.cli.progress import Progress
     from refdem.cli.summary import exit_status, lines, printed_json
+    from refdem.cli.without_effect import of_settings
     from refdem.core.store import Store, default_path
     from refdem.report import resolution, write_report
 
@@ -101,10 +102,13 @@ def command(
     changes = []
     if bless:
         changes = blessed(base, sheets)
+    without_effect = []
+    if not campaign:
+        without_effect = of_settings(specification, store)
     if json:
-        print(printed_json(sheets, out / "index.html", changes, absent))
+        print(printed_json(sheets, out / "index.html", changes, absent, without_effect))
     else:
-        print("\n".join([*lines(sheets), *changes, *absent]))
+        print("\n".join([*lines(sheets), *without_effect, *changes, *absent]))
         print(f"report: {out / 'index.html'} ({time.perf_counter() - start:.1f} s in all)")
     raise typer.Exit(exit_status(sheets, absent))
 

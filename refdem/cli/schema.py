@@ -123,7 +123,7 @@ def solids() -> dict[str, Any]:
     """
     from refdem.core.answer_csv import SOLID_COLUMNS
 
-    empty = {"const": "", "description": "empty: the program cannot say it"}
+    empty = {"const": "", "description": "empty: the program does not compute it"}
     units = {"mass": "kg", **dict.fromkeys("xyz", "m")}
     cells: dict[str, Any] = {
         "solid": {

@@ -22,6 +22,10 @@ from refdem.core.outside import one_line
 
 MAX_FINDINGS = 20
 """Findings that are printed, the worst: a screen of them."""
+MAX_REASONS = 6
+"""Reasons for refusals of a part that are printed, those of most findings."""
+FEW = 4
+"""Names that a line lists."""
 VOID = 2
 """Exit status where nothing was judged: what was asked for cannot be judged, which is neither a
 pass nor a failure.
@@ -44,7 +48,7 @@ def exit_status(sheets: Iterable[Sheet], absent: Collection[str] = ()) -> int:
 
 def lines(sheets: list[Sheet]) -> list[str]:
     """The summary, line by line: errors first, then what failed, then engines that judged nothing,
-    with their reasons.
+    with their reasons, then counts, and why engines that judged something refused the rest.
     """
     findings = worst_first(sheets)
     broken = [(record, finding) for record, finding in findings if finding.outcome in BROKEN]
@@ -59,6 +63,7 @@ def lines(sheets: list[Sheet]) -> list[str]:
     counts = Counter[str](finding.outcome for _, finding in findings)
     totals = ", ".join(f"{counts[name]} {name}" for name in WORST_FIRST if counts[name])
     printed.append(totals or "nothing was found")
+    printed += refused(sheets)
     for sheet in sheets:
         if isinstance(sheet, CampaignSheet):
             printed.append(
@@ -73,12 +78,19 @@ def lines(sheets: list[Sheet]) -> list[str]:
     return printed
 
 
-def printed_json(sheets: list[Sheet], report: Path, changes: list[str], absent: list[str]) -> str:
+def printed_json(
+    sheets: list[Sheet],
+    report: Path,
+    changes: list[str],
+    absent: list[str],
+    without_effect: list[str],
+) -> str:
     """The outcome of a run as JSON: how many findings have each outcome, every finding that failed
-    or broke, why engines judged nothing, and where the report is.
+    or broke, why engines judged nothing or refused a part, and where the report is.
 
     `changes` are those to the list of findings that the campaign must make; `absent` has a sentence
-    for each engine that was asked for and is not installed.
+    for each engine that was asked for and is not installed, `without_effect` one for each parameter
+    that changes nothing.
     """
     findings = worst_first(sheets)
     counts = Counter[str](finding.outcome for _, finding in findings)
@@ -92,11 +104,55 @@ def printed_json(sheets: list[Sheet], report: Path, changes: list[str], absent: 
         "outcomes": {name: counts[name] for name in WORST_FIRST if counts[name]},
         "broken": broken,
         "unjudged": unjudged(sheets),
+        "refused": refused(sheets, most=None),
         "absent": absent,
+        "without_effect": without_effect,
         "changes": changes,
         "report": str(report),
     }
     return json.dumps(answer, indent=1)
+
+
+def judged_engines(records: list[Record]) -> set[str]:
+    """The engines of which something was decided, or broke."""
+    return {
+        record.engine
+        for record, finding in findings_of(records)
+        if finding.outcome in (*DECIDED, *BROKEN)
+    }
+
+
+def refused(sheets: Iterable[Sheet], most: int | None = MAX_REASONS) -> list[str]:
+    """A line for each reason for which engines that judged something refused a part: the engine,
+    how many methods and cases; the `most` frequent reasons, or all.
+    """
+    records = [sheet for sheet in sheets if isinstance(sheet, Record)]
+    judged = judged_engines(records)
+    # The records by engine and reason.
+    of_reason: dict[tuple[str, str], list[Record]] = {}
+    for record, finding in findings_of(records):
+        if finding.outcome == "unsupported" and record.engine in judged:
+            of_reason.setdefault((record.engine, finding.sentence), []).append(record)
+    by_count = sorted(of_reason.items(), key=lambda item: -len(item[1]))
+    printed = []
+    for (engine, reason), own in by_count[:most]:
+        methods = listed(record.method for record in own)
+        cases = listed(record.case for record in own)
+        printed.append(
+            one_line(f"{len(own)} unsupported in {engine} ({methods}; {cases}): {reason}")
+        )
+    left_out = len(by_count) - len(printed)
+    if left_out:
+        printed.append(f"... and {left_out} more reasons for refusals; the report has them all")
+    return printed
+
+
+def listed(names: Iterable[str]) -> str:
+    """The names, each once; of many the number and the first."""
+    once = list(dict.fromkeys(names))
+    if len(once) <= FEW:
+        return ", ".join(once)
+    return f"{', '.join(once[:FEW])} and {len(once) - FEW} more"
 
 
 def unjudged(sheets: Iterable[Sheet]) -> list[str]:
@@ -104,11 +160,7 @@ def unjudged(sheets: Iterable[Sheet]) -> list[str]:
     that have that reason.
     """
     records = [sheet for sheet in sheets if isinstance(sheet, Record)]
-    judged = {
-        record.engine
-        for record, finding in findings_of(records)
-        if finding.outcome in (*DECIDED, *BROKEN)
-    }
+    judged = judged_engines(records)
     # The methods by case, engine and reason.
     methods_by_reason: dict[tuple[str, str, str], list[str]] = {}
     for record in records:

@@ -10,14 +10,19 @@ from refdem.cli import completion
 from refdem.errors import UsageError
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from collections.abc import Mapping, Sequence
 
     from refdem.campaign.certified_list import CertifiedCase
     from refdem.cli.progress import Watch
+    from refdem.core.case import Instance
     from refdem.core.truth import Ball, Truth
+
+    Values = Sequence[dict[str, str | None]]
 
 DEAR = 10.0
 """Seconds that are announced before they are spent."""
+SOON = 0.5
+"""Seconds that a proof may take which only shows that a parameter changes nothing."""
 
 
 def command(
@@ -80,13 +85,11 @@ def command(
     times = [exact(text) for text in at.split(",") if text.strip()]
     with Watch("proving") as watch:
         truth = instance.truth().refined(digits)
-        announce(truth, max(times, default=Fraction(0)), digits, watch)
-        values = []
-        for quantity, ball in scalars(truth, alone=not times).items():
-            values.append(value(None, quantity, ball, truth.method, digits))
-        for t in times:
-            for quantity, ball in truth.at(t).items():
-                values.append(value(t, quantity, ball, truth.method, digits))
+        seconds = announce(truth, max(times, default=Fraction(0)), digits, watch)
+        values = values_at(truth, times, digits)
+        without_effect = []
+        if seconds <= SOON:
+            without_effect = unfelt(instance, values, times, digits)
     document = {
         "case": name,
         "parameters": instance.p.texts(),
@@ -98,6 +101,60 @@ def command(
     if "duration" in instance.p:
         unit = "s"
     show(document, json, unit)
+    for sentence in without_effect:
+        typer.echo(sentence, err=True)
+
+
+def values_at(truth: "Truth", times: "Sequence[Fraction]", digits: int) -> "Values":
+    """The scalars of a truth and its quantities at these times, as the JSON has them."""
+    values = []
+    for quantity, ball in scalars(truth, alone=not times).items():
+        values.append(value(None, quantity, ball, truth.method, digits))
+    for t in times:
+        for quantity, ball in truth.at(t).items():
+            values.append(value(t, quantity, ball, truth.method, digits))
+    return values
+
+
+def are_same(values: "Values", others: "Values") -> bool:
+    """True if two lists have the same quantities at the same times, within their radii."""
+    if [(one["t"], one["quantity"]) for one in values] != [
+        (other["t"], other["quantity"]) for other in others
+    ]:
+        return False
+    for one, other in zip(values, others, strict=True):
+        distance = abs(Fraction(str(one["mid"])) - Fraction(str(other["mid"])))
+        if distance > Fraction(str(one["radius"])) + Fraction(str(other["radius"])):
+            return False
+    return True
+
+
+def unfelt(
+    instance: "Instance", values: "Values", times: "Sequence[Fraction]", digits: int
+) -> list[str]:
+    """A sentence for each parameter that was set and changes none of the values; a proof that takes
+    longer than SOON says nothing.
+    """
+    from refdem.cli.without_effect import at_defaults
+    from refdem.errors import NotCertifiedError
+
+    told = []
+    latest = max(times, default=Fraction(0))
+    for name, other in at_defaults(instance).items():
+        try:
+            truth = other.truth().refined(digits)
+            if truth.forecast(latest, digits) > SOON:
+                continue
+            others = values_at(truth, times, digits)
+        except NotCertifiedError:
+            continue
+        if are_same(values, others):
+            default = instance.p.declared[name].default or "left out"
+            told.append(
+                f"{name}={instance.p.texts()[name]} changes none of these values: its default is"
+                f" {default}"
+            )
+    return told
 
 
 def scalars(truth: "Truth", *, alone: bool) -> "Mapping[str, Ball]":
@@ -180,9 +237,9 @@ def times_of(certified: Any) -> str:
     return ", ".join(str(t) for t in times) or "no time"
 
 
-def announce(truth: "Truth", t: Fraction, digits: int, watch: "Watch") -> None:
+def announce(truth: "Truth", t: Fraction, digits: int, watch: "Watch") -> float:
     """Says what the values up to t will cost, and says so roughly as soon as anything is known: a
-    forecast of much is much work itself.
+    forecast of much is much work itself. Returns the seconds.
     """
     from refdem.cli.progress import rounded
     from refdem.truth.forecast import told_to
@@ -203,6 +260,7 @@ def announce(truth: "Truth", t: Fraction, digits: int, watch: "Watch") -> None:
         seconds = truth.forecast(t, digits)
     watch.expect(seconds)
     warn(seconds)
+    return seconds
 
 
 def warn(seconds: float) -> None:

@@ -82,7 +82,7 @@ def read_solids(path: Path, problem: Solid) -> Trajectory:
     }
     if not any(entries.values()):
         raise EngineError(
-            f"{path.name} says nothing of any solid; a program that cannot say anything ends with"
+            f"{path.name} has no value of any solid; a program that cannot compute any ends with"
             " exit status 77"
         )
     values = properties(problem, lambda piece: entries[piece.name])

@@ -116,8 +116,8 @@ def case(name: str) -> "Canonical":
 def cases_about(text: str) -> list[str]:
     """Ids of the cases and selections that have all words of a text; none for a text without words.
 
-    A case has a word if one of its id, of its title or of its `words` begins with it. A plural
-    finds the singular.
+    A case has a word if one of its id, of its title, of its `words` or of what happens in it
+    begins with the word. A plural finds the singular.
     """
     wanted = [word.removesuffix("s") for word in WORD.findall(text.lower())]
     if not wanted:
@@ -128,7 +128,9 @@ def cases_about(text: str) -> list[str]:
 def _has(name: str, wanted: list[str]) -> bool:
     """True if the case with this id has all of the words."""
     own_case = case(name)
-    own = WORD.findall(" ".join((name, own_case.title, *own_case.words)).lower())
+    # A selection of cases has no motion of its own.
+    motion = getattr(own_case, "motion", "")
+    own = WORD.findall(" ".join((name, own_case.title, motion, *own_case.words)).lower())
     return all(any(word.startswith(beginning) for word in own) for beginning in wanted)
 
 

@@ -40,7 +40,7 @@ class Resolution(msgspec.Struct, frozen=True, kw_only=True, tag="resolution", ta
         noticed.sort(key=lambda seen: seen.smallest or 0.0)
         parts = [f"{seen.number} {seen.size}" for seen in noticed]
         parts += [
-            f"{seen.number}: nothing, since {seen.reason}"
+            f"no misreading of {seen.number}, because {seen.reason}"
             for seen in self.numbers
             if seen.smallest is None
         ]

@@ -136,18 +136,18 @@ class Transparent(Engine):
             method.name in ("drift-first", "explicit-euler")
             and {"rotation", "constraint"} & scene.features
         ):
-            return "points without constraints alone"
+            return "the method moves points without constraints only"
         if (
             not method.name.startswith("verlet")
             and {"slider", "contact", "wedge", "piecewise_field", "catch"} & scene.features
         ):
-            return "no events"
+            return "the method finds no events: sliding, contacts, edges of fields, catches"
         if method.name == "suzuki" and {"dashpot", "drag"} & scene.features:
-            return "no forces that depend on velocity"
+            return "the method has no forces that depend on velocity"
         if method.name == "euler" and "ball_joint" in scene.features:
-            return "no ball joint"
+            return "the method has no ball joint"
         if method.name == "rk4" and "constraint" in scene.features:
-            return "no constraints"
+            return "the method has no constraints"
         return None
 
     def unsupported(self, problem: Problem, method: Method) -> str | None:
@@ -155,7 +155,7 @@ class Transparent(Engine):
         if isinstance(problem, Ensemble) and method.name == "carried":
             if problem.features <= LINEAR:
                 return None
-            return "not a linear flow"
+            return "the flow is not linear"
         if isinstance(problem, Iteration) and method.name == "iterated":
             return None
         return super().unsupported(problem, method)
@@ -194,7 +194,7 @@ class Transparent(Engine):
 def _refused(element: Element) -> str | None:
     """None for an element that the engine has, as it has it."""
     if not isinstance(element, SUPPORTED):
-        return f"no {element.kind}"
+        return f"the transparent engine has no {element.kind}"
     if (
         isinstance(element, Rod)
         and not any(element.anchor_a)
@@ -216,7 +216,7 @@ def _refused(element: Element) -> str | None:
     if isinstance(element, StringOverWheel) and element.radius > 0:
         return "a string over a wheel that has a size"
     if isinstance(element, Contact) and element.law == "hertz" and element.tangential_stiffness > 0:
-        return "no tangential spring under Hertz's law"
+        return "the transparent engine has no tangential spring under Hertz's law"
     return None
 
 
@@ -233,19 +233,21 @@ def _rigid_refused(scene: Scene) -> str | None:
     if "contact:rigid" not in scene.features:
         return None
     if not all(isinstance(element, Contact | Plane | UniformGravity) for element in scene.elements):
-        return "no rigid contact under forces but gravity"
+        return "the transparent engine has no rigid contact under forces other than gravity"
     moments = scene.bodies.inertia
     is_round = scene.bodies.radius > 0
     if not is_round.all() or np.any(moments != moments[:, :1]) or not moments.all():
-        return "rigid contacts of spheres alone"
+        return "the transparent engine has rigid contacts of spheres with equal moments only"
     if scene.bodies.fixed.any():
-        return "no rigid contact with a fixed body"
+        return "the transparent engine has no rigid contact with a fixed body"
     if lies(scene):
         if leaves_its_line(scene):
             return "a slip that turns"
         return None
     if scene.all(UniformGravity) and _is_on_plane(scene):
-        return "no rigid contact under forces"
+        return (
+            "the transparent engine has no rigid contact with a plane from the start under gravity"
+        )
     return None
 
 
@@ -268,7 +270,7 @@ def _corners_refused(scene: Scene) -> str | None:
     law = scene.all(Contact)[0]
     spring = law.friction > 0 and (law.tangential_stiffness > 0 or law.branch != "R")
     if len(scene.bodies) > 1 or spring or law.law != "linear":
-        return "no contact of polyhedra"
+        return "the transparent engine has no such contact of polyhedra"
     return None
 
 

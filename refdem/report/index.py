@@ -14,7 +14,7 @@ from markupsafe import Markup
 from refdem.core.finding import BROKEN
 from refdem.report.contents import Contents, advice
 from refdem.report.invariants import KEPT
-from refdem.report.overview import WANTED, case_lines
+from refdem.report.overview import SENSITIVE, WANTED, case_lines, part_refused
 from refdem.report.reasons import reasons_by_outcome
 from refdem.report.replays import handed_over
 from refdem.report.tolerance import Row, cell
@@ -65,10 +65,13 @@ def files(
     for name, variables in drawn.items():
         template = templates.get_template(f"index_{name}.html")
         yield _part(name, template.render(shared, root="", **variables))
+    lines = case_lines(contents, cells)
     text = templates.get_template("index.html").render(
         shared,
         root="",
-        lines=case_lines(contents, cells),
+        lines=lines,
+        part_refused=part_refused(lines),
+        sensitive=SENSITIVE,
         kept=KEPT,
         wanted=WANTED,
         broken=[outcome for outcome in found if outcome in BROKEN],

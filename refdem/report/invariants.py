@@ -52,6 +52,9 @@ LAWS = (
 class Conserved:
     """How one engine keeps one law in one setting: the verdict, the largest change in units of the
     scale, and the order with which that falls; None where unknown.
+
+    `at_default` is the change at the step that the engine takes by default, which follows from that
+    at the finest step and the order; None where the change is round-off, or no step is the default.
     """
 
     verdict: Verdict
@@ -59,6 +62,7 @@ class Conserved:
     order: float | None
     label: str
     method: str
+    at_default: float | None = None
 
     @property
     def digits(self) -> float:
@@ -105,6 +109,12 @@ class Summary:
         approximate = [one for one in self.settings if one.verdict == "approximate"]
         return max(approximate, key=lambda one: one.rank, default=None)
 
+    @property
+    def at_default(self) -> float | None:
+        """The largest change at the default step of the engine; None where that is not known."""
+        known = [one.at_default for one in self.settings if one.at_default is not None]
+        return max(known, default=None)
+
 
 @dataclass(frozen=True)
 class LawSheet:
@@ -119,9 +129,10 @@ class LawSheet:
 def law_sheets(contents: Contents) -> list[LawSheet]:
     """A sheet for each law that is judged somewhere."""
     titles = {sheet.label: sheet.title for sheet in contents.cases}
+    default_steps = {engine.engine: engine.default_step for engine in contents.engines}
     sheets = []
     for law in LAWS:
-        found = _settings(contents.records, law)
+        found = _settings(contents.records, law, default_steps)
         if not found:
             continue
         summaries = {
@@ -138,13 +149,15 @@ def law_sheets(contents: Contents) -> list[LawSheet]:
     return sheets
 
 
-def _settings(records: Iterable[Record], law: Law) -> dict[tuple[str, str], Conserved]:
+def _settings(
+    records: Iterable[Record], law: Law, default_steps: Mapping[str, float | None]
+) -> dict[tuple[str, str], Conserved]:
     """How each engine keeps a law in each setting in which that was judged, by its best method; by
     label and engine.
     """
     found: dict[tuple[str, str], Conserved] = {}
     for record in records:
-        one = _conserved(record, law)
+        one = _conserved(record, law, default_steps.get(record.engine))
         if one is None:
             continue
         place = record.label, record.engine
@@ -152,7 +165,7 @@ def _settings(records: Iterable[Record], law: Law) -> dict[tuple[str, str], Cons
     return found
 
 
-def _conserved(record: Record, law: Law) -> Conserved | None:
+def _conserved(record: Record, law: Law, default_step: float | None) -> Conserved | None:
     """How one method keeps a law; None where that was not judged."""
     judged = [
         finding
@@ -164,13 +177,41 @@ def _conserved(record: Record, law: Law) -> Conserved | None:
     if not judged:
         return None
     change = _change(judged, law)
+    verdict = _verdict(judged, change)
+    order = _order(record.findings)
+    at_default = None
+    if verdict == "approximate" and change is not None and order is not None:
+        at_default = _at_step(change, order, _steps(record.findings), default_step)
     return Conserved(
-        verdict=_verdict(judged, change),
+        verdict=verdict,
         change=change,
-        order=_order(record.findings),
+        order=order,
         label=record.label,
         method=record.method,
+        at_default=at_default,
     )
+
+
+def _at_step(change: float, order: float, steps: list[float], step: float | None) -> float | None:
+    """The change at a step [s], from that at the finest one: change ~ h^p, and at least round-off.
+
+    None for a step that is larger than all that ran: nobody knows whether the order holds there.
+    """
+    if not steps or step is None or step > max(steps):
+        return None
+    ratio = math.pow(step / min(steps), order)
+    return max(KEPT, change * ratio)
+
+
+def _steps(findings: Iterable[Finding]) -> list[float]:
+    """The steps [s] of which an error was measured; none for a method without steps."""
+    return [
+        level.level
+        for finding in findings
+        if finding.check == "error" and finding.order_claimed is not None
+        for level in finding.levels
+        if level.level > 0
+    ]
 
 
 def _change(judged: list[Finding], law: Law) -> float | None:

@@ -9,7 +9,7 @@ from refdem.report.contents import Contents, advice, page
 from refdem.report.html import MARKS, span, step, target
 from refdem.report.invariants import KEPT, Summary, law_sheets
 from refdem.report.numbers import ABSENT, two
-from refdem.report.overview import WANTED, advice_text, advised
+from refdem.report.overview import MOST_DIGITS, WANTED, advice_text, advised
 from refdem.report.reasons import Findings, Reason, reasons_by_outcome
 from refdem.report.tolerance import TARGETS, Cell, Row, cell, worst_rows
 
@@ -72,7 +72,8 @@ def _conserved(contents: Contents) -> str:
     note = (
         "In how many settings the best method of each engine keeps each law at its finest level."
         f" Kept means a change of at most {two(KEPT)} of its scale, which is round-off. Elsewhere"
-        " the law holds to an error of the step, and the largest one is given."
+        " the law holds to an error of the step, and the largest one is given, also at the step"
+        " that the engine takes by default: that follows from the measured order."
     )
     return f"## What is conserved, and what comes back\n\n{note}\n\n{table(head, lines)}"
 
@@ -85,6 +86,8 @@ def _conserved_in(summary: Summary) -> str:
     worst = summary.largest_error
     if worst is not None:
         parts.append(f"{summary.counts['approximate']} change by at most {two(worst.change)}")
+    if summary.at_default is not None:
+        parts.append(f"about {two(summary.at_default)} at the default step")
     parts += [
         f"{summary.counts[name]} {name}" for name in ("undecided", "lost") if name in summary.counts
     ]
@@ -194,7 +197,7 @@ def _digits(best: Cell) -> str:
         return f"{mark}{best.worst or ABSENT}"
     if best.digits == math.inf:
         return f"{mark}exact"
-    return f"{mark}{best.digits:.0f}"
+    return f"{mark}{min(best.digits, MOST_DIGITS):.0f}"
 
 
 def _findings(contents: Contents) -> str:

@@ -17,6 +17,8 @@ from refdem.report.tolerance import Cell
 
 MOST_DIGITS = 16.0
 """Digits that are shown of an error, at most: binary64 has no more."""
+SENSITIVE = 1e8
+"""Growth of round-off from which on a cell tells it: half of the digits of binary64."""
 WANTED = (3, 6, 9)
 """Correct digits for which a method and a step are recommended."""
 
@@ -81,6 +83,17 @@ def case_lines(
     return lines
 
 
+def part_refused(lines: Mapping[str, list[CaseLine]]) -> list[tuple[str, str, CaseCell]]:
+    """The title, the engine and the cell of every case of which an engine runs only a part."""
+    return [
+        (line.title, engine, found)
+        for own in lines.values()
+        for line in own
+        for engine, found in line.cells.items()
+        if found.refused and found.measured
+    ]
+
+
 def _line(
     contents: Contents, sheets: list[CaseSheet], cells: Mapping[tuple[str, str], Cell]
 ) -> CaseLine:
@@ -107,7 +120,7 @@ def _case_cell(contents: Contents, engine: str, cells: Mapping[str, Cell]) -> Ca
         if cell.worst == "unsupported" and cell.digits is None
     )
     return CaseCell(
-        cell=Cell(cells[label].digits, cells[label].method, counts),
+        cell=Cell(cells[label].digits, cells[label].method, counts, cells[label].growth),
         label=label,
         measured=sum(cell.digits is not None for cell in cells.values()),
         asked=sum(cell.worst is not None for cell in cells.values()),

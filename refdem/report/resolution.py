@@ -60,7 +60,7 @@ def lines(found: Iterable[Resolution]) -> list[str]:
         printed.append(one_line(f"{one.label} in {one.engine}, {one.method}, would have noticed"))
         for seen in one.numbers:
             if seen.smallest is None:
-                printed.append(one_line(f"  nothing of {seen.number}: {seen.reason}"))
+                printed.append(one_line(f"  no misreading of {seen.number}, because {seen.reason}"))
             else:
                 printed.append(one_line(f"  {seen.number:36}{seen.size:>10}  {seen.by}"))
     return printed
@@ -112,6 +112,6 @@ def _reasons(found: list[Resolution]) -> list[str]:
     for (number, reason), methods in blind.items():
         where = markdown_text(", ".join(methods))
         lines.append(
-            f"- {markdown_text(number)}: nothing, since {markdown_text(reason)} ({where})."
+            f"- {markdown_text(number)}: no misreading, because {markdown_text(reason)} ({where})."
         )
     return lines

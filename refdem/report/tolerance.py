@@ -10,6 +10,8 @@ from refdem.core.once import once_for_each
 from refdem.report.contents import Contents
 
 TARGETS = (1e-3, 1e-6, 1e-9)
+UNIT = 2.0**-53
+"""The unit round-off of binary64."""
 WORST = "worst of all"
 """The name of the row that joins all quantities of a run: at every level the largest error and the
 smallest bound.
@@ -210,11 +212,15 @@ def _apart(row: Row, best: dict[str, float]) -> tuple[str, float, float] | None:
 class Cell:
     """One instance in one engine: the method with most correct digits (None if nothing was
     measured) and outcomes.
+
+    `growth` is how many times as large the motion makes an error of round-off, where the method has
+    no other: its bound over the unit round-off.
     """
 
     digits: float | None
     method: str
     counts: dict[Outcome, int]
+    growth: float = 1.0
 
     @property
     def worst(self) -> Outcome | None:
@@ -229,7 +235,12 @@ def cell(contents: Contents, rows: list[Row], label: str, engine: str) -> Cell:
     best = min(of_engine, key=lambda row: (row.error, row.record.method), default=None)
     if best is None:
         return Cell(None, "", contents.counts(records))
-    return Cell(digits(best.error), best.record.method, contents.counts(records))
+    growth = 1.0
+    if best.control == "exact":
+        method = best.record.method
+        own = [row for row in rows if (row.record.engine, row.record.method) == (engine, method)]
+        growth = max(row.levels[-1].bound for row in own) / UNIT
+    return Cell(digits(best.error), best.record.method, contents.counts(records), growth)
 
 
 def digits(error: float) -> float:

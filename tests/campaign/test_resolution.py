@@ -148,7 +148,7 @@ def test_the_sentence_names_what_is_seen_first_and_what_is_not_with_its_reason()
     given = {"label": "case", "engine": "code", "method": "euler"}
     assert Resolution(numbers=tuple(found), **given).sentence == (
         "Would have noticed: restitution 0.3 %, friction 2 %,"
-        " inertia of body 1: nothing, since it never spins."
+        " no misreading of inertia of body 1, because it never spins."
     )
     assert Resolution(numbers=(), **given).sentence == ""
 
@@ -211,7 +211,7 @@ def test_a_method_that_could_not_be_measured_says_why_and_is_not_kept(tmp_path, 
     monkeypatch.setattr(module, "of_method", crashes)
     (found,) = module.measured(ASKED, store, 1, nothing)
     assert found.sentence == (
-        "Would have noticed: any number: nothing, since it could not be measured: the worker"
+        "Would have noticed: no misreading of any number, because it could not be measured: the worker"
         " process died."
     )
     module.measured(ASKED, store, 1, nothing)

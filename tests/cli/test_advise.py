@@ -5,10 +5,13 @@ import json
 import pytest
 from typer.testing import CliRunner
 
+from refdem.cli.advise import MOST_ROWS, labels_found, table
 from refdem.cli.app import app
 from refdem.core import discovery
 from refdem.core.case import Canonical
+from refdem.core.finding import Record
 from refdem.errors import UsageError
+from refdem.report.advice import Choice, recommendations
 
 
 @pytest.fixture(autouse=True)
@@ -39,28 +42,45 @@ def test_the_advised_step_is_one_that_holds_the_digits():
             assert setting["level"] is None or setting["error"] <= 1e-3 * (1 + 1e-12)
     text = called(*asked).stdout
     assert text.startswith("3 digits: errors of at most 0.001 of each quantity's scale")
-    assert "reference/exact-pendulum: exact, any step in 1 setting" in text
+    assert "reference/exact-pendulum: exact at any step, in the only setting" in text
 
 
 def test_digits_that_no_method_holds_are_exit_status_1():
     asked = ("advise", *PENDULUM, "--engine", "pymunk", "--jobs", "1", "--digits", "12")
     done = called(*asked)
     assert done.exit_code == 1
-    assert "does not hold 12 digits in any of 1 setting" in done.stdout
+    assert "does not hold 12 digits in the only setting that it can run" in done.stdout
 
 
 def test_an_engine_that_cannot_say_the_case_is_exit_status_2():
     done = called("advise", "heavy-top", "--engine", "pymunk", "--jobs", "1")
     assert done.exit_code == 2
-    assert "pymunk: not measured in 1 of 1: heavy-top" in done.stdout
+    assert "pymunk: not measured in 1 of 1\n    The engine does not support" in done.stdout
+    assert "(heavy-top)\n" in done.stdout
 
 
 def test_a_word_that_is_no_case_asks_for_the_cases_that_it_finds():
     asked = ("advise", "gyroscopes", "--engine", "pymunk", "--jobs", "1")
     done = called(*asked)
-    assert "pymunk: not measured in 3 of 3: " in done.stdout
+    assert "pymunk: not measured in 3 of 3\n" in done.stdout
     for case in ("free-rigid-body", "heavy-top", "neglected-gyroscopic"):
         assert case in done.stdout
+
+
+def test_words_of_one_thing_find_the_cases_that_have_all_of_them():
+    assert labels_found(["bouncing", "ball"]) == ["bouncing-ball"]
+    assert labels_found(["pendulum[theta0=1]", "gear"]) == [
+        "pendulum[theta0=1]",
+        "degrees-of-freedom",
+        "pendulum-wheel-mass",
+    ]
+
+
+def test_words_of_several_things_find_the_cases_of_each_once():
+    found = labels_found(["snooker", "pool"])
+    assert found == ["billiard-break"]
+    found = labels_found(["snooker", "kepler", "pool"])
+    assert sorted(found) == ["billiard-break", "billiards", "two-body-orbit"]
 
 
 def test_a_word_that_finds_nothing_is_refused():
@@ -106,7 +126,8 @@ def test_engines_are_compared_in_a_case_the_cheapest_method_first():
 def test_who_cannot_say_a_case_is_told_with_the_reason():
     done = called("compare", "pymunk", "--case", "heavy-top", "--jobs", "1")
     assert done.exit_code == 2
-    assert "pymunk: The engine does not support motion or rotation in three" in done.stdout
+    assert "pymunk: not measured in 1 of 1\n" in done.stdout
+    assert "    The engine does not support motion or rotation in three" in done.stdout
     assert "(heavy-top)" in done.stdout
 
 
@@ -126,7 +147,7 @@ def test_a_comparison_ends_with_one_sentence_that_answers():
 def test_a_reason_that_refuses_several_settings_is_told_once():
     cases = ("heavy-top", "heavy-top[spin=2]")
     done = called("compare", "pymunk", *(f"--case={case}" for case in cases), "--jobs", "1")
-    (line,) = [line for line in done.stdout.splitlines() if line.startswith("pymunk: ")]
+    (line,) = [line for line in done.stdout.splitlines() if "does not support" in line]
     assert line.endswith("(heavy-top (2 settings))")
 
 
@@ -147,3 +168,28 @@ def test_a_refusal_is_in_the_json_of_a_run_with_its_reason(tmp_path):
     answer = json.loads(done.stdout)
     assert answer["exit_status"] == done.exit_code == 2
     assert answer["unjudged"][0].startswith("heavy-top/pymunk")
+
+
+def choice(case: str, number: int, step: float) -> Choice:
+    """A choice of one method in one of the settings of a case."""
+    record = Record(
+        case=case,
+        label=f"{case}[mass={number}]",
+        parameters={},
+        engine="e",
+        version="1",
+        method="m",
+        is_reference=False,
+        runs=(),
+        findings=(),
+    )
+    return Choice(record=record, control="step", tau=1.0, level=step, error=1e-4, cost=1.0)
+
+
+def test_of_more_settings_than_fit_a_screen_each_case_shows_the_one_that_asks_most():
+    many = [choice("a", number, 1 / number) for number in range(1, MOST_ROWS + 1)]
+    few = table(recommendations(many))
+    assert len(few) == 1 + MOST_ROWS
+    grouped = table(recommendations([*many, choice("b", 1, 0.5)]))
+    assert [line.split()[0] for line in grouped[1:3]] == [f"a[mass={MOST_ROWS}]", "b[mass=1]"]
+    assert grouped[3].startswith("a row a case")

@@ -33,6 +33,17 @@ def test_what_is_proved_once_is_read_the_next_time(
         assert ("truths: 1 done" in said.err) == (times == 0)
 
 
+def test_a_reason_that_refuses_several_methods_is_told_once(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setenv("REFDEM_STORE", str(tmp_path / "store.sqlite"))
+    command("pendulum", engine=["reference"], set=["theta0=0.3", "duration=1"])
+    refused = [line for line in capsys.readouterr().out.splitlines() if "not supported" in line]
+    (rod,) = [line for line in refused if "an element of kind rod (" in line]
+    assert "exact-coulomb" in rod
+    assert "exact-free-body" in rod
+
+
 def test_every_word_of_supports_and_conserves_has_a_meaning(
     capsys: pytest.CaptureFixture[str],
 ) -> None:

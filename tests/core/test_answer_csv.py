@@ -55,7 +55,7 @@ def test_cells_are_values_by_name_and_empty_ones_are_unsaid(tmp_path: Path) -> N
         ),
         ((HEADER, A.replace("6.5", "nan"), B), "line 2: xx is 'nan'"),
         ((HEADER, A.replace("6.5", "inf"), B), "line 2: xx is 'inf'"),
-        ((HEADER, "a,,,,,,,,,,", "b,,,,,,,,,,"), "says nothing of any solid"),
+        ((HEADER, "a,,,,,,,,,,", "b,,,,,,,,,,"), "has no value of any solid"),
     ],
 )
 def test_a_malformed_table_is_named(tmp_path: Path, lines: tuple[str, ...], says: str) -> None:

@@ -22,6 +22,8 @@ from refdem.errors import UsageError
         ("gyroscope", "heavy-top"),
         ("Gyroscopes", "neglected-gyroscopic"),
         ("orbit", "two-body-orbit"),
+        ("orbiting", "two-body-orbit"),
+        ("colliding", "hard-wall"),
         ("reversible", "time-reversal"),
     ],
 )

@@ -1,5 +1,6 @@
 """What is conserved: the verdict of each law from its findings, and the cells that tell it."""
 
+import msgspec
 import pytest
 
 from refdem.core.finding import Finding, Record
@@ -8,6 +9,7 @@ from refdem.report.contents import contents_of
 from refdem.report.invariants import KEPT, law_sheets
 from refdem.report.markdown import validation
 from refdem.report.tolerance import rows_of
+from tests.report.synthetic import engine_sheet, error, said
 
 
 def finding(check, quantity, value, **more):
@@ -113,3 +115,34 @@ def test_the_table_in_markdown_counts_every_setting():
     text = validation(contents, rows, set())
     line = "kept in 1 of 3, 1 change by at most 2e-4, 1 undecided"
     assert f"| time reversal: back to the start | {line} |" in text
+
+
+def test_the_change_at_the_default_step_follows_from_the_finest_one_and_the_order():
+    # Order 2 and a finest step of 0.0125 s: at 0.05 s the change is 16 times as large.
+    order = msgspec.structs.replace(said("order", "pass", ""), order_claimed=2.0)
+    findings = (finding("momentum", "total", 1e-6), error("x", 1e-3, 2), order)
+    sheets = [record(*findings), msgspec.structs.replace(engine_sheet("mujoco"), default_step=0.05)]
+    (sheet,) = law_sheets(contents_of(sheets))
+    assert sheet.summaries["mujoco"].at_default == pytest.approx(1.6e-5)
+    contents = contents_of(sheets)
+    rows = {one.label: rows_of(contents, one.label) for one in contents.cases}
+    assert "about 1.6e-5 at the default step" in validation(contents, rows, set())
+
+
+@pytest.mark.parametrize(
+    ("value", "default_step", "at_default"),
+    [
+        # What is kept is kept at any step; without a default step nothing is said.
+        (0.0, 0.05, None),
+        (1e-6, None, None),
+        # Not below round-off, and not beyond the coarsest step that ran.
+        (1e-11, 1e-6, KEPT),
+        (1e-2, 0.11, None),
+    ],
+)
+def test_the_change_at_the_default_step_has_limits(value, default_step, at_default):
+    order = msgspec.structs.replace(said("order", "pass", ""), order_claimed=2.0)
+    own = record(finding("momentum", "total", value), error("x", 1e-3, 2), order)
+    engine = msgspec.structs.replace(engine_sheet("mujoco"), default_step=default_step)
+    (sheet,) = law_sheets(contents_of([own, engine]))
+    assert sheet.summaries["mujoco"].at_default == at_default

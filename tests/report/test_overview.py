@@ -53,6 +53,12 @@ def lines_of(found):
     return overview.case_lines(found, cells)
 
 
+def index_of(found):
+    rows = {sheet.label: rows_of(found, sheet.label) for sheet in found.cases}
+    specs = {"": {}, **{sheet.label: {} for sheet in found.cases}}
+    return dict(pages(found, rows, specs))["index.html"]
+
+
 def test_cases_are_grouped_by_what_moves_in_the_order_of_the_kinds():
     lines = lines_of(contents())
     assert list(lines) == ["spinning", "swinging"]
@@ -92,6 +98,40 @@ def test_an_exact_setting_speaks_for_a_case_whose_other_settings_were_refused():
     found = line.cells["alpha"]
     assert found.label == "pendulum[theta0=3]"
     assert (found.cell.digits, found.measured, found.asked) == (math.inf, 1, 2)
+
+
+def test_an_engine_that_runs_a_part_of_a_case_is_told_with_what_it_refused():
+    sheets = [engine_sheet("alpha")]
+    for label in ("pendulum", "pendulum[theta0=3]"):
+        sheet = case_sheet("pendulum", label, "Pendulum", "")
+        sheets.append(msgspec.structs.replace(sheet, motion="swinging"))
+    sheets.append(record("pendulum", "pendulum", "alpha", "rk4", error("x", 1e-6, 4)))
+    refusal = said("support", "unsupported", "No large angles.")
+    sheets.append(record("pendulum", "pendulum[theta0=3]", "alpha", "rk4", refusal))
+    found = contents_of(sheets)
+    ((title, engine, cell_found),) = overview.part_refused(lines_of(found))
+    assert (title, engine, cell_found.refused) == ("Pendulum", "alpha", {"No large angles.": 1})
+    page = index_of(found)
+    assert "Pendulum, alpha: digits in 1 of 2 settings" in page
+    assert "Refused in 1: No large angles." in page
+    assert overview.part_refused(lines_of(contents())) == []
+
+
+def test_a_motion_that_enlarges_round_off_says_so_where_the_method_is_exact():
+    sheet = case_sheet("pendulum", "pendulum", "Pendulum", "")
+    exact = error("x", 1e-3, 0, steps=(0.0,))
+    sheets = [engine_sheet("alpha"), sheet, record("pendulum", "pendulum", "alpha", "m", exact)]
+    found = contents_of(sheets)
+    (cell_found,) = [line.cells["alpha"] for own in lines_of(found).values() for line in own]
+    # The bound is twice the error: 2e-3 of the scale, in units of 2^-53.
+    assert cell_found.cell.growth == pytest.approx(2e-3 * 2**53)
+    assert "1.8e13</small>" in index_of(found)
+    # A method with steps has errors of its own.
+    stepped = contents_of(
+        [*sheets[:2], record("pendulum", "pendulum", "alpha", "m", error("x", 1e-3, 4))]
+    )
+    (cell_found,) = [line.cells["alpha"] for own in lines_of(stepped).values() for line in own]
+    assert cell_found.cell.growth == 1.0
 
 
 def test_advice_is_for_other_engines_than_the_reference_where_they_were_measured():

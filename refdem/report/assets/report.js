@@ -156,7 +156,8 @@
   // The rows that have every word stay; of a group with its name in its first row, all rows where the name has them.
   function filter(field) {
     const table = document.getElementById(field.dataset.filter);
-    const words = field.value.toLowerCase().split(/\s+/).filter(Boolean);
+    // A plural finds the singular, as on the command line.
+    const words = field.value.toLowerCase().split(/\s+/).map(function (word) { return word.replace(/s$/, ""); }).filter(Boolean);
     const has = function (text) { return words.every(function (word) { return text.includes(word); }); };
     let left = 0;
     for (const body of table.tBodies) {

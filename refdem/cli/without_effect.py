@@ -1,0 +1,141 @@
+"""Parameters that change nothing in the setting asked for, as friction where nothing slips.
+
+A parameter is without effect if the problem with it is the problem at its default, to the bit, or
+if the certified values of both are the same.
+"""
+
+from collections.abc import Mapping
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from refdem.campaign.specification import Specification
+    from refdem.core.case import Instance
+    from refdem.core.store import Store
+    from refdem.core.truth import SampledTruth
+
+PROOF = 5.0
+"""Seconds that a proof may take which is made for this sentence alone."""
+SHARP = 1e-9
+"""Radii, in units of the scale of a quantity, up to which equal values say that nothing changes."""
+
+
+def at_defaults(instance: "Instance") -> "dict[str, Instance]":
+    """For every parameter that differs from its default: the instance with the default of this one.
+
+    Left out are those of the clock, and those without which the others do not go together.
+    """
+    from refdem.errors import UsageError
+
+    clock = {parameter.name for parameter in instance.case.clock}
+    changed = instance.p.changed()
+    others = {}
+    for name in changed:
+        if name in clock:
+            continue
+        rest = {other: text for other, text in changed.items() if other != name}
+        try:
+            others[name] = instance.case.at(**rest)
+        except UsageError:
+            continue
+    return others
+
+
+def unused(instance: "Instance") -> list[str]:
+    """Names of the parameters that do not enter the problem: with the default it is the same."""
+    return [
+        name for name, other in at_defaults(instance).items() if is_same_problem(instance, other)
+    ]
+
+
+def is_same_problem(one: "Instance", other: "Instance") -> bool:
+    """True if engines are asked the same, to the bit, and at the same times."""
+    from refdem.core.problem import Request
+
+    asked = [Request(problem=each.problem, method="", step=None).packed() for each in (one, other)]
+    return asked[0] == asked[1]
+
+
+def unfelt(instance: "Instance", store: "Store") -> list[str]:
+    """Names of the parameters that enter the problem and change no certified value of it.
+
+    Proofs are read from the store and kept there; one that takes longer than PROOF says nothing.
+    """
+    from refdem.campaign.schedule import Schedule
+    from refdem.campaign.truths import sampled_truths
+
+    others = {
+        name: other
+        for name, other in at_defaults(instance).items()
+        if np.array_equal(other.times, instance.times) and not is_same_problem(instance, other)
+    }
+    if not others:
+        return []
+    asked = [(each, ()) for each in (instance, *others.values())]
+    with Schedule(len(asked), PROOF) as schedule:
+        truth, *other_truths = sampled_truths(schedule, store, asked, _unseen)
+    scales = {name: quantity.scale for name, quantity in instance.quantities.items()}
+    return [
+        name
+        for name, other in zip(others, other_truths, strict=True)
+        if is_same_truth(truth, other, scales)
+    ]
+
+
+def _unseen(stage: str, done: int, total: int) -> None:
+    """Progress that is not shown: these proofs are few and short, and nobody asked for them."""
+
+
+def is_same_truth(one: "SampledTruth", other: "SampledTruth", scales: Mapping[str, float]) -> bool:
+    """True if the certified values of two truths, of every sample, are the same within their radii,
+    which are at most SHARP of the scale of each quantity.
+    """
+    is_whole = one.until == other.until == len(one.t) and bool(one.values)
+    if not is_whole or one.values.keys() != other.values.keys():
+        return False
+    for name in one.values:
+        radius = one.radius(name) + other.radius(name)
+        is_sharp = np.all(radius <= SHARP * scales.get(name, 1.0))
+        if not is_sharp or np.any(np.abs(one.value(name) - other.value(name)) > radius):
+            return False
+    if one.scalars.keys() != other.scalars.keys():
+        return False
+    return all(
+        abs(value - other.scalars[name][0]) <= radius + other.scalars[name][1]
+        for name, (value, radius) in one.scalars.items()
+    )
+
+
+def sentences(instance: "Instance", store: "Store") -> list[str]:
+    """A sentence for each parameter that was set and changes nothing in this setting."""
+    told = []
+    for name in unused(instance):
+        told.append(f"{set_and_default(instance, name)}: the scene is the same")
+    for name in unfelt(instance, store):
+        told.append(f"{set_and_default(instance, name)}: the certified motion is the same")
+    return told
+
+
+def set_and_default(instance: "Instance", name: str) -> str:
+    """The opening of a sentence: what was set, and what its default is."""
+    default = instance.p.declared[name].default
+    value = instance.p.texts()[name]
+    if default:
+        return f"{name}={value} changes nothing here, against its default {default}"
+    return f"{name}={value} changes nothing here, against leaving it out"
+
+
+def of_settings(specification: "Specification", store: "Store") -> list[str]:
+    """The sentences for all cases that were asked for with parameters, each with its label."""
+    from refdem.core import discovery
+    from refdem.core.selection import Selection
+
+    told = []
+    for entry in specification.case:
+        case = discovery.case(entry.id)
+        if isinstance(case, Selection) or not entry.set:
+            continue
+        instance = case.at(**entry.set)
+        told += [f"{instance.label}: {sentence}" for sentence in sentences(instance, store)]
+    return told
