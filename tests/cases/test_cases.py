@@ -109,7 +109,7 @@ CARRIED = {
 }
 TIMELESS = {
     "degrees-of-freedom": "points",
-    "moments-of-inertia": "a b c density hollow attitude",
+    "moments-of-inertia": "a b c density hollow thin attitude",
     "rotations": "angle vector euler omega near frequency",
     "quaternions": "p q r vector omega rise",
 }

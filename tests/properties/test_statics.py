@@ -26,6 +26,7 @@ STATICS = {
             "c": "12",
             "density": "7800",
             "hollow": "0.9",
+            "thin": "1/4",
             "attitude": "1,2,3,4",
         },
     ],
@@ -343,6 +344,25 @@ def test_limits_of_the_table():
     assert scalars["ellipsoid.inertia.zz"] == pytest.approx(
         2 / 5 * 4 / 3 * np.pi * 8 * 4, rel=1e-14
     )
+
+
+def test_thin_and_round_solids_are_the_limits_of_the_table():
+    thin = 2.0**-13
+    instance = discovery.case("moments-of-inertia").at(a="2", c="3", thin="1/8192")
+    scalars = {name: float(ball.mid) for name, ball in instance.truth().scalars().items()}
+
+    def per_mass(solid, axis):
+        return scalars[f"{solid}.inertia.{axis}"] / scalars[f"{solid}.mass"]
+
+    # m h^2/12 about the middle, m h^2/3 about the end, both but for m r^2/4.
+    assert per_mass("stick", "xx") == pytest.approx(9 / 12, rel=10 * thin**2)
+    assert per_mass("stick-at-end", "yy") == pytest.approx(9 / 3, rel=10 * thin**2)
+    # 2/5 m r^2, and m r^2 but for the thickness of the wall.
+    assert per_mass("sphere", "zz") == pytest.approx(2 / 5 * 4, rel=1e-14)
+    assert per_mass("hoop", "zz") == pytest.approx(4, rel=1.01 * thin)
+    # 2/5 m (r_o^5 - r_i^5)/(r_o^3 - r_i^3) with r_i = r_o/2.
+    hollow = 2 / 5 * (32 - 1) / (8 - 1)
+    assert per_mass("hollow-sphere", "xx") == pytest.approx(hollow, rel=1e-14)
 
 
 def test_truth_of_quaternions_is_hamiltons():

@@ -200,10 +200,21 @@ def solids(p: Mapping[str, Exact]) -> dict[str, Rule]:
     hollow = {
         "hollow-cuboid": without(boxed(a, b, c), boxed(a * f, b * f, c * f)),
         "hollow-cylinder": without(cylinder(a, a, c), cylinder(a * f, a * f, c)),
+        "hollow-sphere": without(ellipsoid(a, a, a), ellipsoid(a * f, a * f, a * f)),
+    }
+    # The radius of the stick, and that inside the hoop.
+    thin = number(p, "thin")
+    radius = thin * c
+    inside = a - thin * a
+    limits = {
+        "sphere": ellipsoid(a, a, a),
+        "stick": cylinder(radius, radius, c),
+        "stick-at-end": cylinder(radius, radius, c),
+        "hoop": without(cylinder(a, a, c), cylinder(inside, inside, c)),
     }
     tetrahedron = images(a, b, c)["tetrahedron"]
     turns = {"turned-tetrahedron": turned(tetrahedron, vector(p, "attitude"))}
-    return plain | hollow | images(a, b, c) | turns
+    return plain | hollow | limits | images(a, b, c) | turns
 
 
 def images(a: Fraction, b: Fraction, c: Fraction) -> dict[str, Rule]:
@@ -257,9 +268,11 @@ def turned(rule: Rule, q: Sequence[Fraction]) -> Rule:
 def weighed(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claimed) -> Said:
     """Mass, centre of mass and inertia tensor of every solid, as sums over the points of its rule.
 
-    The tensor is about the centre of mass; that of cuboid-at-corner about its corner.
+    The tensor is about the centre of mass; that of cuboid-at-corner about its corner, that of
+    stick-at-end about its end.
     """
     corner = [arb_of(x / 2) for x in numbers(p, "a", "b", "c").values()]
+    points_of_reference = {"cuboid-at-corner": corner, "stick-at-end": [arb(0), arb(0), corner[2]]}
     quantities: dict[str, arb] = {}
     for name, rule in solids(p).items():
         # The rule of the point masses has their masses as weights.
@@ -270,10 +283,7 @@ def weighed(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claimed)
         points = [(density * arb_of(weight), [arb_of(x) for x in point]) for weight, point in rule]
         mass = sum((m for m, _ in points), arb(0))
         centre = [sum((m * r[i] for m, r in points), arb(0)) / mass for i in range(3)]
-        if name == "cuboid-at-corner":
-            origin = corner
-        else:
-            origin = centre
+        origin = points_of_reference.get(name, centre)
         arms = [(m, [x - y for x, y in zip(r, origin, strict=True)]) for m, r in points]
         quantities[f"{name}.mass"] = mass
         for axis, x in zip("xyz", centre, strict=True):
