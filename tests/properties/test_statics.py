@@ -38,6 +38,10 @@ STATICS = {
             "omega": "100,3,-7",
             "near": "1e-6",
             "frequency": "50",
+            "shifts": "1e3,2,3,-1/3,5,7",
+            "small": "1/1000",
+            "step": "1",
+            "multiple": "32",
         },
     ],
     "degrees-of-freedom": [{}, {"points": "1,2,3,-1,4,1e3,7,8,1,0.5,0.25,-3,9,-9,2"}],
@@ -432,6 +436,27 @@ def test_truth_of_rotations_is_that_of_products_of_sines_and_cosines():
     assert truth["globe-angle"] == pytest.approx(np.radians(120))
     assert truth["energy-ratio"] == pytest.approx(39.4784176043574, rel=1e-14)
     assert abs(truth["near-rates.2"]) > 900 * abs(truth["near-quaternion-rate.0"])
+
+
+def test_two_small_turns_fail_to_commute_by_the_square_of_their_angle():
+    for small in ("1/8", "1/64"):
+        truth = discovery.case("rotations").at(small=small).truth().scalars()
+        h = float(Fraction(small))
+        # h^2 about z, to a part h^2; what is beside it is of third order.
+        assert float(truth["turn-commutator.3"].mid) == pytest.approx(h**2, rel=h**2)
+        assert float(truth["loop-angle"].mid) == pytest.approx(h**2, rel=h**2)
+        assert float(truth["beyond-leading.2"].mid) == pytest.approx(h**3 / 2, rel=h)
+        assert truth["shift-commutator.0"].mid == 0
+
+
+def test_nine_entries_lag_four_times_as_far_as_a_quaternion():
+    truth = discovery.case("rotations").at(step="1/1000").truth().scalars()
+    v = 1e-3 * float(np.linalg.norm([1, -2, 0.5]))
+    # |v| - atan |v| and |v| - 2 atan(|v|/2): v^3/3 and v^3/12.
+    assert float(truth["nine-entries-lag"].mid) == pytest.approx(v**3 / 3, rel=v)
+    assert float(truth["four-entries-lag"].mid) == pytest.approx(v**3 / 12, rel=v)
+    assert float(truth["nine-entries-determinant"].mid - 1) == pytest.approx(v**2, rel=v)
+    assert truth["nine-entries-freedom"].mid == 3
 
 
 def about_z(angle):

@@ -18,6 +18,14 @@ from refdem.core.parameters import Exact
 from refdem.truth.balls import arb_of
 from refdem.truth.exact import number, numbers, vector
 from refdem.truth.witnesses.testimony import Claimed, Said, Witness
+from refdem.truth.witnesses.turns import (
+    about,
+    commuting,
+    hamilton,
+    of_a_step,
+    of_multiples,
+    row_by_row,
+)
 
 PRIME = 2**61 - 1
 """Modulus of the elimination, a Mersenne prime: a rank is too low by chance in 1 of 10^18 matrices.
@@ -302,17 +310,6 @@ def _inertia(arms: Sequence[tuple[arb, Sequence[arb]]], i: int, j: int) -> arb:
     return entry
 
 
-def hamilton(a: Point, b: Point) -> list[Any]:
-    """Hamilton's product of two quaternions."""
-    aw, ax, ay, az = a
-    bw, bx, by, bz = b
-    w = aw * bw - ax * bx - ay * by - az * bz
-    x = aw * bx + ax * bw + ay * bz - az * by
-    y = aw * by - ax * bz + ay * bw + az * bx
-    z = aw * bz + ax * by - ay * bx + az * bw
-    return [w, x, y, z]
-
-
 def matrix_of(q: Point) -> list[list[Any]]:
     """The rotation matrix 1 + 2 w [v] + 2 [v]^2 of a unit quaternion, [v] r = v x r."""
     w = q[0]
@@ -390,14 +387,26 @@ def products(p: Mapping[str, Exact], length: arb) -> dict[str, Sequence[Any]]:
         "real-product": pq,
         "complex-product": pq,
     }
-    return of_product | {
-        "sum": both,
-        "conjugate-of-sum": conjugate(both),
-        "inverse": inverse,
-        "one": hamilton(b, inverse),
-        "absolute": [length],
-        "complex-eigenvalue": [b[0], imaginary],
+    # Eigenvalues of x s1 + y s2 + z s3: +-|(x, y, z)|; those of i, j, k are +-i.
+    v = vector(p, "vector")
+    size = arb_of(sum((x * x for x in v), Fraction(0))).sqrt()
+    of_pauli: dict[str, Sequence[Any]] = {
+        **{f"pauli-{axis}": [Fraction(1), Fraction(-1)] for axis in "xyz"},
+        **{f"element-{axis}": [Fraction(0), Fraction(1)] for axis in "ijk"},
+        "pauli-vector": [size, -size],
     }
+    return (
+        of_product
+        | of_pauli
+        | {
+            "sum": both,
+            "conjugate-of-sum": conjugate(both),
+            "inverse": inverse,
+            "one": hamilton(b, inverse),
+            "absolute": [length],
+            "complex-eigenvalue": [b[0], imaginary],
+        }
+    )
 
 
 def turns_by(p: Mapping[str, Exact], u: Sequence[arb]) -> dict[str, Sequence[Any]]:
@@ -405,6 +414,11 @@ def turns_by(p: Mapping[str, Exact], u: Sequence[arb]) -> dict[str, Sequence[Any
     v = vector(p, "vector")
     matrix = matrix_of(u)
     twice = hamilton(u, u)
+    first = vector(p, "p")
+    first_length = arb_of(sum((x * x for x in first), Fraction(0))).sqrt()
+    u1 = [arb_of(x) / first_length for x in first]
+    u2_u1 = hamilton(u, u1)
+    u1_u2 = hamilton(u1, u)
     rotated = applied(matrix, v)
     minus_u = [-x for x in u]
     # From its matrix a quaternion comes back with w >= 0.
@@ -423,6 +437,13 @@ def turns_by(p: Mapping[str, Exact], u: Sequence[arb]) -> dict[str, Sequence[Any
         "euler": euler_of(matrix),
         "turned-twice": twice,
         "rotated-twice": applied(matrix_of(twice), v),
+        "u1": u1,
+        "u2-u1": u2_u1,
+        "u1-u2": u1_u2,
+        "rotated-by-u1": applied(matrix_of(u1), v),
+        "rotated-in-turn": applied(matrix_of(u2_u1), v),
+        "rotated-at-once": applied(matrix_of(u2_u1), v),
+        "rotated-in-other-order": applied(matrix_of(u1_u2), v),
     }
 
 
@@ -453,16 +474,6 @@ def rates_of(p: Mapping[str, Exact], u: Sequence[arb]) -> dict[str, Sequence[Any
     }
 
 
-def about(axis: str, angle: arb) -> arb_mat:
-    """The matrix of a turn by `angle` [rad] about the coordinate axis "x", "y" or "z"."""
-    i = "xyz".index(axis)
-    j = (i + 1) % 3
-    k = (i + 2) % 3
-    sine, cosine = angle.sin_cos()
-    entries = {(i, i): arb(1), (j, j): cosine, (k, k): cosine, (j, k): -sine, (k, j): sine}
-    return arb_mat([[entries.get((m, n), arb(0)) for n in range(3)] for m in range(3)])
-
-
 PRODUCTS = (
     ("z-then-x", "x+90", "z+90"),
     ("x-then-z", "z+90", "x+90"),
@@ -485,7 +496,12 @@ def rotations(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claime
         "frequency-energy": [of_frequency],
         "energy-ratio": [energy / of_frequency],
     }
-    yield None, listed(quarter_turns() | in_the_plane(p) | by_euler(p) | energies)
+    phi, theta, psi = (arb_of(x) for x in vector(p, "euler"))
+    matrix = about("z", phi) * about("x", theta) * about("z", psi)
+    stepped = of_a_step(p, matrix, attitude(phi, theta, psi))
+    stepped["nine-entries-freedom"] = [freedom_of_nine_entries()]
+    angles = in_the_plane(p) | of_multiples(p) | by_euler(p)
+    yield None, listed(quarter_turns() | commuting(p) | angles | stepped | energies)
 
 
 def quarter_turns() -> dict[str, Sequence[Any]]:
@@ -505,11 +521,6 @@ def quarter_turns() -> dict[str, Sequence[Any]]:
         # The trace is 1 + 2 cos(angle).
         "globe-angle": [((trace - 1) / 2).acos()],
     }
-
-
-def row_by_row(m: arb_mat) -> list[arb]:
-    """The entries of a matrix."""
-    return [x for row in m.table() for x in row]
 
 
 def in_the_plane(p: Mapping[str, Exact]) -> dict[str, Sequence[Any]]:
@@ -532,6 +543,21 @@ def in_the_plane(p: Mapping[str, Exact]) -> dict[str, Sequence[Any]]:
         "plane-eigenvalue": [turn[0, 0], absolute_sine],
         "mirror": mirrored_v,
     }
+
+
+def freedom_of_nine_entries() -> int:
+    """The number of rates X of the entries of the matrix 1 that keep it orthogonal: X + X^T = 0.
+
+    Those of any other rotation R are X R.
+    """
+    conditions = []
+    for i, j in combinations(range(4), 2):
+        # The pairs i < j of 0 .. 3 stand for the pairs i <= j - 1 of axes.
+        row = [Fraction(0)] * 9
+        row[3 * i + j - 1] += 1
+        row[3 * (j - 1) + i] += 1
+        conditions.append(row)
+    return 9 - rank(conditions)
 
 
 def by_euler(p: Mapping[str, Exact]) -> dict[str, Sequence[Any]]:
