@@ -38,6 +38,7 @@ def _lag_rows(p: Parameters) -> list[Row]:
     axis = (turn / angle).tolist()
     return [
         ("whole-turn", "turn-about", [axis, [angle]]),
+        ("whole-quaternion", "quaternion-about", [axis, [angle]]),
         ("whole", "matrix-product", ["whole-turn", "euler-matrix"]),
         ("whole-back", "transpose", ["whole"]),
         ("nine-entries-between", "matrix-product", ["whole-back", "nine-entries-back"]),
@@ -58,6 +59,7 @@ def sizes(p: Parameters) -> dict[str, float]:
     stretch = 1 + float(np.linalg.norm(turned_in_a_step(p)))
     angles = (
         "whole-turn",
+        "whole-quaternion",
         "whole",
         "whole-back",
         "nine-entries-between",

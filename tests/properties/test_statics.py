@@ -68,7 +68,7 @@ PYMUNK = [("moments-of-inertia", "moments"), ("rotations", "vectors")]
 SAID = (
     [("mujoco", *each) for each in MUJOCO]
     + [("pymunk", *each) for each in PYMUNK]
-    + [("rebound", "quaternions", "rotation")]
+    + [("rebound", case, "rotation") for case in ("quaternions", "rotations")]
 )
 
 

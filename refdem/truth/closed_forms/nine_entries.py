@@ -102,6 +102,7 @@ def lags(
     four_between = turn_about(body_axis, -four_lag.sin(), four_lag.cos())
     return {
         "whole-turn": row_by_row(whole_turn),
+        "whole-quaternion": [(angle / 2).cos(), *((angle / 2).sin() * n for n in axis)],
         "whole": row_by_row(whole),
         "whole-back": row_by_row(whole.transpose()),
         "nine-entries-between": row_by_row(nine_between),

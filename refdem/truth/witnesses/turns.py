@@ -9,7 +9,7 @@ from collections.abc import Mapping, Sequence
 from fractions import Fraction
 from typing import Any
 
-from flint import arb, arb_mat
+from flint import acb, arb, arb_mat
 
 from refdem.core.parameters import Exact
 from refdem.truth.balls import arb_of
@@ -135,7 +135,11 @@ def of_a_step(
     four = [component + change for component, change in zip(q, rate, strict=True)]
     length = sum((component * component for component in four), arb(0)).sqrt()
     four_back = [component / length for component in four]
+    # exp(v/2) as a quaternion, by that of a complex number.
+    angle = square.sqrt()
+    half_turn = acb(0, angle / 2).exp()
     rows: dict[str, Sequence[Any]] = {
+        "whole-quaternion": [half_turn.real, *(half_turn.imag * v / angle for v in turn)],
         "nine-entries": row_by_row(nine),
         "nine-entries-defect": row_by_row(gram - identity()),
         "nine-entries-determinant": [nine.det()],
