@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from refdem.cases._algebra import Row
+from refdem.cases._algebra import Row, X, Y, Z
 from refdem.core.parameters import Parameters
 
 
@@ -43,12 +43,21 @@ def _algebra_rows(p: Parameters) -> list[Row]:
         ("real-product", "real-product", [a, b]),
         ("complex-product", "complex-product", [a, b]),
         ("complex-eigenvalue", "complex-eigenvalue", [b]),
+        ("pauli-x", "pauli-eigenvalues", [X]),
+        ("pauli-y", "pauli-eigenvalues", [Y]),
+        ("pauli-z", "pauli-eigenvalues", [Z]),
+        ("pauli-vector", "pauli-eigenvalues", [p.vector.tolist()]),
+        ("element-i", "complex-eigenvalue", [[0.0, *X]]),
+        ("element-j", "complex-eigenvalue", [[0.0, *Y]]),
+        ("element-k", "complex-eigenvalue", [[0.0, *Z]]),
     ]
     return products + inverses + matrices
 
 
 def _rotation_rows(p: Parameters) -> list[Row]:
-    """Rotations of a vector by the unit quaternion u along q, and other forms of u."""
+    """Rotations of a vector by the unit quaternion u along q, other forms of u, and rotations by
+    u1 = p/|p| and u2 = u one after the other.
+    """
     v = p.vector.tolist()
     return [
         ("rotated", "rotated", ["u", v]),
@@ -59,6 +68,13 @@ def _rotation_rows(p: Parameters) -> list[Row]:
         ("euler", "euler-of-matrix", ["matrix"]),
         ("turned-twice", "product", ["u", "u"]),
         ("rotated-twice", "rotated", ["turned-twice", v]),
+        ("u1", "unit", [p.p.tolist()]),
+        ("u2-u1", "product", ["u", "u1"]),
+        ("u1-u2", "product", ["u1", "u"]),
+        ("rotated-by-u1", "rotated", ["u1", v]),
+        ("rotated-in-turn", "rotated", ["u", "rotated-by-u1"]),
+        ("rotated-at-once", "rotated", ["u2-u1", v]),
+        ("rotated-in-other-order", "rotated", ["u1-u2", v]),
     ]
 
 
@@ -121,7 +137,10 @@ def sizes(p: Parameters) -> dict[str, float]:
     magnitudes |= dict.fromkeys(("left", "right"), a * b * c)
     magnitudes["inverse"] = 1 / b
     magnitudes |= dict.fromkeys(("rotated", "rotated-by-minus-u"), 2 * v)
-    magnitudes["rotated-twice"] = 4 * v
+    two_rotations = ("rotated-in-turn", "rotated-at-once", "rotated-in-other-order")
+    magnitudes |= dict.fromkeys(("rotated-twice", *two_rotations), 4 * v)
+    magnitudes["rotated-by-u1"] = 2 * v
+    magnitudes["pauli-vector"] = v
     magnitudes |= dict.fromkeys(RATES, omega)
     # u'' = (rise u)/2 - omega^2 u/4.
     magnitudes["second-rate"] = rise + omega * omega

@@ -6,6 +6,7 @@ name of an earlier result.
 
 import numpy as np
 
+from refdem.cases import _nine_entries
 from refdem.cases._algebra import Row, X, Y, Z
 from refdem.core.parameters import Parameters
 
@@ -21,7 +22,9 @@ PRODUCTS: tuple[tuple[str, str, str], ...] = (
 
 
 def rows(p: Parameters) -> list[Row]:
-    """All operations: rotations in the plane, products of rotations, Euler angles, energies."""
+    """All operations: rotations in the plane, products of rotations, Euler angles, energies, what
+    commutes, and a step in nine entries and in four.
+    """
     rotations: list[Row] = []
     for axis, unit in (("x", X), ("y", Y), ("z", Z)):
         for degrees in (90, -90, 180):
@@ -35,7 +38,8 @@ def rows(p: Parameters) -> list[Row]:
         ("globe-angle", "turn-angle", ["globe"]),
         ("globe-determinant", "determinant", ["globe"]),
     ]
-    return _plane_rows(p) + rotations + products + globe + _euler_rows(p) + _energy_rows(p)
+    known = _plane_rows(p) + rotations + products + globe + _euler_rows(p) + _energy_rows(p)
+    return known + _commuting_rows(p) + _nine_entries.rows(p)
 
 
 def _plane_rows(p: Parameters) -> list[Row]:
@@ -49,7 +53,45 @@ def _plane_rows(p: Parameters) -> list[Row]:
         ("plane-determinant", "plane-determinant", [angle]),
         ("mirror", "mirror", [angle, v]),
         ("mirror-determinant", "mirror-determinant", [angle]),
+        ("cosine-3", "cosine-by-powers", [angle, [3.0]]),
+        ("cosine-4", "cosine-by-powers", [angle, [4.0]]),
+        ("cosine-by-powers", "cosine-by-powers", [angle, [p.multiple]]),
+        ("cosine-by-recurrence", "cosine-by-recurrence", [angle, [p.multiple]]),
     ]
+
+
+def _commuting_rows(p: Parameters) -> list[Row]:
+    """Two translations of a point in both orders, and two turns by a small angle h in both orders:
+    their commutator, what it is beyond its leading term h^2 [e_z], and the loop of four turns.
+    """
+    shifts = p.shifts.tolist()
+    first = shifts[:3]
+    second = shifts[3:]
+    translations: list[Row] = [
+        ("shifted-first", "vector-sum", [X, first]),
+        ("shifted-first-second", "vector-sum", ["shifted-first", second]),
+        ("shifted-second", "vector-sum", [X, second]),
+        ("shifted-second-first", "vector-sum", ["shifted-second", first]),
+        ("shift-commutator", "vector-difference", ["shifted-first-second", "shifted-second-first"]),
+    ]
+    h = p.small
+    leading = [0.0, -h * h, 0.0, h * h, 0.0, 0.0, 0.0, 0.0, 0.0]
+    both_orders: list[Row] = [
+        ("small-x", "turn-about", [X, [h]]),
+        ("small-y", "turn-about", [Y, [h]]),
+        ("small-x-y", "matrix-product", ["small-x", "small-y"]),
+        ("small-y-x", "matrix-product", ["small-y", "small-x"]),
+        ("turn-commutator", "matrix-difference", ["small-x-y", "small-y-x"]),
+        ("beyond-leading", "matrix-difference", ["turn-commutator", leading]),
+    ]
+    loop: list[Row] = [
+        ("small-x-back", "turn-about", [X, [-h]]),
+        ("small-y-back", "turn-about", [Y, [-h]]),
+        ("loop-back", "matrix-product", ["small-x-back", "small-y-back"]),
+        ("loop", "matrix-product", ["small-x-y", "loop-back"]),
+        ("loop-angle", "turn-angle", ["loop"]),
+    ]
+    return translations + both_orders + loop
 
 
 def _euler_rows(p: Parameters) -> list[Row]:
@@ -100,4 +142,38 @@ def sizes(p: Parameters) -> dict[str, float]:
         **rates,
         **energies,
         "euler-back": np.pi * steep,
+        **_sizes_of_cosines(p),
+        **_sizes_of_shifts(p),
+        **_nine_entries.sizes(p),
     }
+
+
+def _sizes_of_cosines(p: Parameters) -> dict[str, float]:
+    """How much larger than 1 the terms get from which the cosine of a multiple is made."""
+    sine = abs(np.sin(p.angle))
+    cosine = abs(np.cos(p.angle))
+    # The sum of the absolute terms of (cos + i sin)^n is at most (|cos| + |sin|)^n, and each power
+    # has n roundings.
+    n = max(1.0, p.multiple)
+    terms = float(sine + cosine)
+    # The recurrence multiplies a rounding at step k by |sin((n - k) angle)/sin(angle)| <= n - k.
+    growth = min(n, 1 / max(float(sine), 1e-100))
+    return {
+        "cosine-3": 3 * terms**3,
+        "cosine-4": 4 * terms**4,
+        "cosine-by-powers": n * terms**n,
+        "cosine-by-recurrence": n * growth,
+    }
+
+
+def _sizes_of_shifts(p: Parameters) -> dict[str, float]:
+    """The distances over which the point e_x is moved."""
+    length = 1 + float(np.abs(p.shifts).sum())
+    names = (
+        "shifted-first",
+        "shifted-first-second",
+        "shifted-second",
+        "shifted-second-first",
+        "shift-commutator",
+    )
+    return dict.fromkeys(names, length)

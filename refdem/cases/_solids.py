@@ -82,6 +82,8 @@ def solids(p: Parameters) -> list[Piece]:
     b = p.b
     c = p.c
     hollow = p.hollow
+    # The inner radius of a hoop: a wall as thin as the stick.
+    inside = a * (1 - p.thin)
     tetrahedron = polyhedron(
         [(0.0, 0.0, 0.0), (a, 0.0, 0.0), (0.0, b, 0.0), (0.0, 0.0, c)],
         [(0, 2, 1), (0, 1, 3), (0, 3, 2), (1, 2, 3)],
@@ -90,6 +92,8 @@ def solids(p: Parameters) -> list[Piece]:
     points = Points(mass=(1.0, 2.0, 3.0, 4.0), position=places)
     cuboid = Cuboid(sides=(a, b, c))
     cylinder = Cylinder(half_axes=(a, a), height=c)
+    sphere = Ellipsoid(half_axes=(a, a, a))
+    stick = Cylinder(half_axes=(p.thin * c, p.thin * c), height=c)
     shapes: dict[str, Any] = {
         "cuboid": cuboid,
         "ellipsoid": Ellipsoid(half_axes=(a, b, c)),
@@ -102,11 +106,15 @@ def solids(p: Parameters) -> list[Piece]:
         "triangle": Polygon(vertices=((0.0, 0.0), (b, 0.0), (a, c))),
         "angle-plate": Polygon(vertices=tuple(angle_plan(a, b))),
         "points": points,
+        "sphere": sphere,
+        "stick": stick,
     }
     # Name: (the outer shape, the shape that is cut out of it).
     hollow_shapes: dict[str, tuple[Any, Any]] = {
         "hollow-cuboid": (cuboid, Cuboid(sides=(a * hollow, b * hollow, c * hollow))),
         "hollow-cylinder": (cylinder, Cylinder(half_axes=(a * hollow, a * hollow), height=c)),
+        "hollow-sphere": (sphere, Ellipsoid(half_axes=(a * hollow, a * hollow, a * hollow))),
+        "hoop": (cylinder, Cylinder(half_axes=(inside, inside), height=c)),
     }
     pieces = [Piece(name=name, shape=shape, density=p.density) for name, shape in shapes.items()]
     for name, (outer, inner) in hollow_shapes.items():
@@ -117,6 +125,8 @@ def solids(p: Parameters) -> list[Piece]:
     )
     corner = (a / 2, b / 2, c / 2)
     pieces.append(Piece(name="cuboid-at-corner", shape=cuboid, density=p.density, about=corner))
+    end = (0.0, 0.0, c / 2)
+    pieces.append(Piece(name="stick-at-end", shape=stick, density=p.density, about=end))
     return pieces
 
 
@@ -128,6 +138,11 @@ def volume(name: str, p: Parameters) -> float:
         "triangle": p.b * p.c / 2,
         "angle-plate": p.a * p.b * 3 / 4,
         "hollow-cylinder": np.pi * p.a**2 * p.c,
+        "hoop": np.pi * p.a**2 * p.c,
+        "sphere": 4 * np.pi / 3 * p.a**3,
+        "hollow-sphere": 4 * np.pi / 3 * p.a**3,
+        "stick": np.pi * p.thin**2 * p.c**3,
+        "stick-at-end": np.pi * p.thin**2 * p.c**3,
     }
     # The volumes of the others in units of a b c.
     fractions = {

@@ -31,9 +31,11 @@ class MomentsOfInertia(Canonical):
     motion = "formula"
     statement = (
         "Mass, centre of mass and inertia tensor of solids of uniform density: the six of Table"
-        " 1.1, a tetrahedron straight and turned, an angle that is not convex, hollow bodies, a"
-        " cuboid about its corner, flat plates, and four points. An engine's own mass properties"
-        " are judged by them: a wrong tensor makes every tumbling wrong."
+        " 1.1, their limits (a sphere from the ellipsoid, a thin stick about its middle and its"
+        " end, a hoop from the hollow cylinder), a tetrahedron straight and turned, an angle that"
+        " is not convex, hollow bodies, a cuboid about its corner, flat plates, and four points. An"
+        " engine's own mass properties are judged by them: a wrong tensor makes every tumbling"
+        " wrong."
     )
     latex = (
         r"J=\int\left(r^2\mathbb 1-\mathbf r\mathbf r^T\right)\mathrm dm,\qquad"
@@ -64,6 +66,14 @@ class MomentsOfInertia(Canonical):
             doc="size of a hollow over that of its body",
             above=0,
             at_most=0.99,
+        ),
+        Parameter(
+            name="thin",
+            default="1/1000",
+            unit="1",
+            doc="radius of a stick over its length, wall of a hoop over its radius",
+            at_least=1e-4,
+            at_most=0.5,
         ),
         Parameter(
             name="attitude",

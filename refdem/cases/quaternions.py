@@ -22,7 +22,9 @@ class Quaternions(AlgebraCase):
     statement = (
         "Products do not commute but associate; a conjugate reverses them; the inverse is the"
         " conjugate over the square. A unit quaternion u turns vectors as u v u*, and -u turns them"
-        " alike. Real matrices 4 x 4 and complex ones 2 x 2 multiply as quaternions do. Under omega"
+        " alike; u1 and then u2 turn as the product u2 u1. Real matrices 4 x 4 and complex ones 2 x"
+        " 2 multiply as quaternions do; Pauli's matrices have the eigenvalues 1 and -1, those of i,"
+        " j and k have i and -i. Under omega"
         " the rate is omega u/2, orthogonal to u; it gives omega back in space and in body axes. A"
         " quaternion and its rate do not commute (the chapter's remark after (1.75)): what holds is"
         " u u'* = -u' u*."
@@ -34,7 +36,11 @@ class Quaternions(AlgebraCase):
     source = "Matuttis and Chen 2014, chapter 1, (1.44) to (1.91), Table 1.2 and exercise 1.2"
     parameters = (
         Parameter(
-            name="p", default="1,-2,1/2,3", unit="1", doc="a quaternion (w, x, y, z)", shape=(4,)
+            name="p",
+            default="1,-2,1/2,3",
+            unit="1",
+            doc="not 0: a quaternion (w, x, y, z)",
+            shape=(4,),
         ),
         Parameter(name="q", default="2,1,-1,1/4", unit="1", doc="another, not 0", shape=(4,)),
         Parameter(
@@ -50,7 +56,11 @@ class Quaternions(AlgebraCase):
     )
 
     def refuse(self, p: Parameters) -> None:
-        """Raises UsageError for a q that is no attitude, or none with Euler angles."""
+        """Raises UsageError for a p that is no attitude, and for a q that is none, or none with
+        Euler angles.
+        """
+        if not np.any(p.p):
+            raise UsageError("parameter p: got 0,0,0,0; expected a quaternion other than zero")
         w, x, y, z = p.q
         norm = np.linalg.norm(p.q)
         # sin(theta/2) = |(x, y)|/|q| and cos(theta/2) = |(w, z)|/|q|.

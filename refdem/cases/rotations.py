@@ -2,6 +2,8 @@
 1.3.7).
 """
 
+import numpy as np
+
 from refdem.cases import _rotation_rows
 from refdem.cases._algebra import AlgebraCase, Row
 from refdem.core.parameters import Parameter, Parameters
@@ -14,7 +16,9 @@ class Rotations(AlgebraCase):
     A.
     """
 
-    angles = frozenset({"euler-back", "globe-angle"})
+    angles = frozenset(
+        {"euler-back", "globe-angle", "loop-angle", "nine-entries-lag", "four-entries-lag"}
+    )
     id = "rotations"
     title = "Rotations"
     words = ("attitude", "euler", "matrix", "angles", "drone", "camera")
@@ -23,7 +27,11 @@ class Rotations(AlgebraCase):
         "A turn in the plane is a multiplication by exp(i phi); a mirror has determinant -1 and"
         " changes the sense of angles. In space the order matters: a book turned about z and x ends"
         " differently than one turned about x and z, though some products of turns are turns about"
-        " a third axis. Euler angles come back from their matrix, but their rates diverge where sin"
+        " a third axis. Translations commute; of two turns by a small angle h about x and y what is"
+        " left is h^2 about z. A step of the matrix in its nine entries breaks six conditions, and"
+        " back at the nearest rotation it lags four times as far as the quaternion, which breaks"
+        " one. The cosine of a multiple of an angle comes from its powers and by recurrence. Euler"
+        " angles come back from their matrix, but their rates diverge where sin"
         " theta = 0. The frequency in place of omega = 2 pi f makes the energy 39.48 times too"
         " small."
     )
@@ -64,10 +72,46 @@ class Rotations(AlgebraCase):
             doc="turns per second, for the energy",
             above=0,
         ),
+        Parameter(
+            name="shifts",
+            default="3/4,-1,2,5/3,1/2,-7/4",
+            unit="1",
+            doc="two translations of the point e_x",
+            shape=(6,),
+        ),
+        Parameter(
+            name="small",
+            default="1/10",
+            unit="rad",
+            doc="angle of the two turns that do not commute",
+            above=0,
+            at_most=1,
+        ),
+        Parameter(
+            name="step",
+            default="1/10",
+            unit="s",
+            doc="of Euler's method with omega, for nine entries and for four",
+            above=0,
+            at_most=1,
+        ),
+        Parameter(
+            name="multiple",
+            default="5",
+            unit="1",
+            doc="of the angle, for its cosine",
+            at_least=0,
+            at_most=32,
+            whole=True,
+        ),
     )
 
     def refuse(self, p: Parameters) -> None:
-        """Raises UsageError for Euler angles that their matrix does not determine."""
+        """Raises UsageError for Euler angles that their matrix does not determine, and for an omega
+        without an axis.
+        """
+        if not np.any(p.omega):
+            raise UsageError("parameter omega: got 0,0,0; expected a vector other than zero")
         if not (abs(p.euler[0]) < 3.14 and 0.01 < p.euler[1] < 3.13 and abs(p.euler[2]) < 3.14):
             given = ", ".join(f"{x:g}" for x in p.euler)
             raise UsageError(
@@ -76,7 +120,7 @@ class Rotations(AlgebraCase):
             )
 
     def rows(self, p: Parameters) -> list[Row]:
-        """Plane, products of turns, Euler angles, energies."""
+        """Plane, products of turns, Euler angles, energies, commutators, nine entries and four."""
         return _rotation_rows.rows(p)
 
     def sizes(self, p: Parameters) -> dict[str, float]:

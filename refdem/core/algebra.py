@@ -11,6 +11,8 @@ SIZES: dict[str, tuple[tuple[int, ...], int]] = {
     "dot": ((4, 4), 1),
     "difference": ((4, 4), 4),
     "quotient": ((1, 1), 1),
+    "vector-sum": ((3, 3), 3),
+    "vector-difference": ((3, 3), 3),
     "plane-turn": ((1, 2), 2),  # angle, vector: by the matrix (1.9)
     "complex-turn": ((1, 2), 2),  # angle, vector: by exp(i angle)
     # angle: real part and imaginary part >= 0 of an eigenvalue of the matrix (1.9)
@@ -18,17 +20,29 @@ SIZES: dict[str, tuple[tuple[int, ...], int]] = {
     "plane-determinant": ((1,), 1),
     "mirror": ((1, 2), 2),  # angle, vector: mirrored at the line with that angle to x
     "mirror-determinant": ((1,), 1),
+    # angle, n: cos(n angle) from sine and cosine of the angle
+    "cosine-by-recurrence": ((1, 1), 1),
+    "cosine-by-powers": ((1, 1), 1),
     "turn-about": ((3, 1), 9),  # unit vector, angle
     "matrix-product": ((9, 9), 9),
+    "matrix-difference": ((9, 9), 9),
     "matrix-vector": ((9, 3), 3),
+    "transpose": ((9,), 9),
     "determinant": ((9,), 1),
     "turn-angle": ((9,), 1),  # in [0, pi]
+    "first-order-turn": ((9, 3), 9),  # (1 + [v]) M for a rotation vector v, [v] r = v x r
+    "orthogonality": ((9,), 9),  # M^T M - 1
+    "nearest-turn": ((9,), 9),  # the rotation matrix nearest to M
+    # dimension of the space of rates of the nine entries that keep M^T M
+    "orthogonal-freedom": ((9,), 1),
     "quaternion-about": ((3, 1), 4),  # unit vector, angle
     "product": ((4, 4), 4),
     "real-product": ((4, 4), 4),  # by the real matrix 4 x 4 of the first
     "complex-product": ((4, 4), 4),  # by the complex matrices 2 x 2 of both
     # real part and imaginary part >= 0 of an eigenvalue of the complex matrix 2 x 2
     "complex-eigenvalue": ((4,), 2),
+    # the eigenvalues, larger first, of x s1 + y s2 + z s3 with Pauli's matrices (1.143)
+    "pauli-eigenvalues": ((3,), 2),
     "conjugate": ((4,), 4),
     "inverse": ((4,), 4),
     "absolute": ((4,), 1),
@@ -56,7 +70,9 @@ SIZES: dict[str, tuple[tuple[int, ...], int]] = {
 COUNTING_OPERANDS: dict[str, tuple[int, ...]] = {
     "first-order-freedom": (0, 2),
     "rigid-freedom": (0,),
+    "cosine-by-recurrence": (1,),
+    "cosine-by-powers": (1,),
 }
-"""Places of the operands that count or name something (a dimension, points of a rod) instead of
-measuring it: they have no last digit that a rounding could move.
+"""Places of the operands that count or name something (a dimension, points of a rod, a multiple)
+instead of measuring it: they have no last digit that a rounding could move.
 """

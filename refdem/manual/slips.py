@@ -12,7 +12,7 @@ import numpy as np
 from refdem.core.discovery import case, truth_of
 from refdem.core.manual import Slip
 from refdem.core.truth import Ball, Truth
-from refdem.mechanics.quaternion import conjugate, product, rotated
+from refdem.mechanics.quaternion import conjugate, matrix, product, rotated
 from refdem.mechanics.rotation import about_axis, euler_rates
 
 Measured = tuple[tuple[str, str], ...]
@@ -249,6 +249,129 @@ def kept_with_minus_integral() -> Measured:
     )
 
 
+def turned_tensor() -> Measured:
+    """The certified tensor of a turned tetrahedron, beside both ways to turn that of the straight
+    one by the printed matrix A of (1.21).
+    """
+    instance = case("moments-of-inertia").at()
+    balls = instance.truth().scalars()
+    straight = _tensor_of(balls, "tetrahedron")
+    certified = _tensor_of(balls, "turned-tetrahedron")
+    attitude = instance.p.attitude / np.linalg.norm(instance.p.attitude)
+    # (1.22): the printed matrix leads from space to the body, r' = A r.
+    printed = matrix(attitude).T
+    holds = printed.T @ straight @ printed
+    said = printed @ straight @ printed.T
+    what = "off the certified tensor of the turned tetrahedron, relative"
+    scale = norm(certified)
+    return (
+        (f"A^T J_b A, {what}", number(norm(holds - certified) / scale)),
+        (f"A J_b A^T as printed, {what}", number(norm(said - certified) / scale)),
+    )
+
+
+def _tensor_of(balls: Mapping[str, Ball], name: str) -> np.ndarray:
+    """The middles (3, 3) of the certified tensor of inertia of a solid."""
+    entries = [
+        [float(balls[f"{name}.inertia.{''.join(sorted(i + j))}"].mid) for j in "xyz"] for i in "xyz"
+    ]
+    return np.array(entries)
+
+
+def torque_of_a_free_body() -> Measured:
+    """How far J, and L = J omega, go in space on a certified motion without torque."""
+    truth = truth_of("free-rigid-body")
+    tensors = []
+    momenta = []
+    for t in (0, 3):
+        balls = truth.at(Fraction(t))
+        entries = [float(balls[f"R.{i}{j}"].mid) for i in "xyz" for j in "xyz"]
+        turn = np.array(entries).reshape(3, 3)
+        tensor = turn @ np.diag([1.0, 2.0, 3.0]) @ turn.T
+        tensors.append(tensor)
+        momenta.append(tensor @ _vector_of(balls, "omega", "xyz"))
+    what = "in space, no torque, J = (1, 2, 3)"
+    return (
+        (f"|J(3 s) - J(0)| [kg m^2] {what}", number(norm(tensors[1] - tensors[0]))),
+        (f"|L(3 s) - L(0)| [kg m^2/s] {what}", number(norm(momenta[1] - momenta[0]))),
+    )
+
+
+def dashed_lines_are_undamped() -> Measured:
+    """What is left of the position and of the speed after periods of the certified oscillators of
+    figures 1.15 and 1.16.
+    """
+    free = truth_of("harmonic-oscillator", x0="1", v0="0")
+    viscous = truth_of("viscous-oscillator", delta="1/10", x0="1", v0="0")
+    # Periods are irrational and truth takes rational times: 2 pi to 2^-40 s.
+    late = Fraction(round(10 * math.pi * 2**40), 2**40)
+    later = late + Fraction(round(math.pi / 2 * 2**40), 2**40)
+    what = "m = k = 1, x(0) = 1"
+    return (
+        (f"x after 5 periods, (1.92), {what}", number(float(free.at(late)["x"].mid))),
+        (f"v a quarter of a period later, (1.92), {what}", number(float(free.at(later)["v"].mid))),
+        (
+            f"x at the same time, (1.95) with delta = 0.1, {what}",
+            number(float(viscous.at(late)["x"].mid)),
+        ),
+    )
+
+
+def rule_of_the_product() -> Measured:
+    """The product of 1 + 2 I + 3 J + 4 K and 5 + 6 I + 7 J + 8 K by the table of (1.44) and (1.45),
+    and by (1.56); and what (1.92) is.
+    """
+    first = np.array([1.0, 2, 3, 4])
+    second = np.array([5.0, 6, 7, 8])
+    # (1.44), (1.45): I I = -1, I J = K, J I = -K, and so on; (factor, factor): (sign, element).
+    table = {(0, 0): (1, 0)}
+    for i in (1, 2, 3):
+        table[0, i] = table[i, 0] = (1, i)
+        table[i, i] = (-1, 0)
+    for i, j, k in ((1, 2, 3), (2, 3, 1), (3, 1, 2)):
+        table[i, j] = (1, k)
+        table[j, i] = (-1, k)
+    by_table = np.zeros(4)
+    for (i, j), (sign, element) in table.items():
+        by_table[element] += sign * first[i] * second[j]
+    # (1.56): (s1 s2 - v1 . v2, s1 v2 + s2 v1 + v1 x v2).
+    s1, v1 = first[0], first[1:]
+    s2, v2 = second[0], second[1:]
+    scalar = s1 * s2 - v1 @ v2
+    by_rule = np.array([scalar, *(s1 * v2 + s2 * v1 + np.cross(v1, v2))])
+    motion = truth_of("harmonic-oscillator", x0="1", v0="0").at(Fraction(1))
+    place = float(motion["x"].mid)
+    return (
+        ("(w, x, y, z) by (1.44) and (1.45)", vector(by_table)),
+        ("(w, x, y, z) by (1.56)", vector(by_rule)),
+        ("x(1 s) of the motion that solves (1.92), m = k = 1, x(0) = 1", number(place)),
+        ("cos(1)", number(math.cos(1))),
+    )
+
+
+def segment_at_rest() -> Measured:
+    """Filippov's velocity on the line v = 0 inside |x| < f/k, and where the certified block is."""
+    stiffness = 1.0
+    friction = 0.15
+    x = -0.1
+    above = np.array([0.0, -stiffness * x - friction])
+    below = np.array([0.0, -stiffness * x + friction])
+    # Filippov: the mean of the fields on both sides whose part across the line is 0.
+    weight = below[1] / (below[1] - above[1])
+    sliding = weight * above + (1 - weight) * below
+    truth = truth_of("coulomb-oscillator", friction_force="3/20", x0="1", v0="0")
+    stop = float(truth.scalars()["stop_time"].mid)
+    what = "m = k = 1, f = 0.15"
+    return (
+        (f"fields (x', v') above and below x = -0.1, {what}", f"{vector(above)}, {vector(below)}"),
+        ("weight of the field above in Filippov's mean", number(weight)),
+        ("x' and v' of Filippov's mean", vector(sliding)),
+        ("certified time at which the block reaches the segment [s]", number(stop)),
+        ("certified x at 10 s", number(float(truth.at(Fraction(10))["x"].mid))),
+        ("certified x at 1000 s", number(float(truth.at(Fraction(1000))["x"].mid))),
+    )
+
+
 def _point(balls: Mapping[str, Ball]) -> tuple[float, float]:
     """The middles of the certified place [m] and velocity [m/s]."""
     return float(balls["x"].mid), float(balls["v"].mid)
@@ -390,6 +513,55 @@ SLIPS = (
         says="two quarter turns one after the other equal one quarter turn",
         holds="that is a statement about one vector: the product is a turn by 120 degrees",
         measure=one_vector,
+    ),
+    KnownSlip(
+        cases=("moments-of-inertia", "rotations"),
+        where="(1.30)",
+        says="the tensor in space is J = A J_b A^T, with the A of (1.21)",
+        holds=(
+            "(1.21) leads from space to the body, (1.22): J = A^T J_b A; J = A J_b A^T needs the"
+            " transpose of (1.21)"
+        ),
+        measure=turned_tensor,
+    ),
+    KnownSlip(
+        cases=("free-rigid-body", "neglected-gyroscopic"),
+        where="section 1.3.6, (1.32)",
+        says="torques are the rate of change of the moment of inertia",
+        holds=(
+            "they are that of the angular momentum L = J omega, which (1.32) differentiates:"
+            " without torque L stays, and J turns with the body"
+        ),
+        measure=torque_of_a_free_body,
+    ),
+    KnownSlip(
+        cases=("harmonic-oscillator", "viscous-oscillator", "coulomb-oscillator"),
+        where="captions of figures 1.15 and 1.16",
+        says="the dashed lines are damped, and figure 1.15 shows the amplitude",
+        holds=(
+            "they are (1.93) and (1.94), undamped, as the text beside them says, and figure 1.15"
+            " shows the position, whose amplitude stays"
+        ),
+        measure=dashed_lines_are_undamped,
+    ),
+    KnownSlip(
+        cases=("quaternions",),
+        where="exercise 1.2 a",
+        says="(1.92) is the rule for quaternion products",
+        holds="(1.56) is; (1.92) is the harmonic oscillator m x'' + k x = 0",
+        measure=rule_of_the_product,
+    ),
+    KnownSlip(
+        cases=("coulomb-oscillator", "phase-flow"),
+        where="section 1.4.3, on Filippov's theory",
+        says=(
+            "the theory does not allow a line of singular points, and postulates transport along it"
+        ),
+        holds=(
+            "its velocity on the line is a mean of the fields on both sides, and x' = v = 0 in"
+            " both: no transport, a segment of rest that is reached in finite time"
+        ),
+        measure=segment_at_rest,
     ),
 )
 

@@ -60,6 +60,19 @@ def rigid_freedom(position: ArrayLike) -> int:
     return dimension + (dimension * (dimension - 1) - flat_directions * (flat_directions - 1)) // 2
 
 
+def orthogonal_freedom(turn: Array) -> int:
+    """Number of independent rates X (3, 3) of nine entries M = `turn` that keep M^T M: 9 minus the
+    rank of X -> M^T X + X^T M, that is of six conditions.
+    """
+    conditions = []
+    for entry in range(9):
+        rate = np.zeros(9)
+        rate[entry] = 1.0
+        half = turn.T @ rate.reshape(3, 3)
+        conditions.append((half + half.T).ravel())
+    return 9 - rank(np.array(conditions))
+
+
 def rank(matrix: Array) -> int:
     """The numerical rank: the number of singular values above RANK_TOLERANCE times the largest."""
     singular_values = np.linalg.svd(matrix, compute_uv=False)

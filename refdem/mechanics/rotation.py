@@ -119,6 +119,41 @@ def quaternion_rate(q: Array, omega: Array) -> Array:
     return product(np.concatenate([[0.0], omega]), q) / 2
 
 
+def cross_matrix(v: Array) -> Array:
+    """The matrix [v] (3, 3) of the cross product with a vector (3,): [v] r = v x r."""
+    x, y, z = v
+    rows = [[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]]
+    return np.array(rows)
+
+
+def first_order_turn(turn: Array, v: Array) -> Array:
+    """(1 + [v]) M (3, 3): a step by Euler's method of M' = [omega] M in its nine entries, for the
+    rotation vector v = h omega (3,) [rad].
+    """
+    return turn + cross_matrix(v) @ turn
+
+
+def orthogonality(turn: Array) -> Array:
+    """M^T M - 1 (3, 3): what a matrix M misses to an orthogonal one."""
+    return turn.T @ turn - np.eye(3)
+
+
+def nearest_turn(turn: Array) -> Array:
+    """The rotation matrix (3, 3) nearest to a matrix with a positive determinant: U V^T of its
+    singular value decomposition U S V^T.
+    """
+    u, _, v_transposed = np.linalg.svd(turn)
+    nearest: Array = u @ v_transposed
+    return nearest
+
+
+def pauli_matrix(v: Array) -> NDArray[np.complex128]:
+    """x s1 + y s2 + z s3 (2, 2) with Pauli's matrices (1.143), for v = (x, y, z)."""
+    x, y, z = v
+    rows = [[z, x - 1j * y], [x + 1j * y, -z]]
+    return np.array(rows)
+
+
 def real_matrix(q: Array) -> Array:
     """The matrix (4, 4) of multiplication from the left by q (1.57)."""
     w, x, y, z = q

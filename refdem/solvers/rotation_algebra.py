@@ -14,6 +14,7 @@ from refdem.core.problem import Identity, Request
 from refdem.core.statics import results
 from refdem.core.trajectory import Cost, Trajectory
 from refdem.mechanics import freedom, rotation
+from refdem.mechanics.multiple_angle import cosine_by_powers, cosine_by_recurrence
 from refdem.mechanics.quaternion import conjugate, matrix, product, rotated
 from refdem.solvers.solver import Solver
 
@@ -38,6 +39,11 @@ def mirror(angle: Array) -> Array:
 def upper_eigenvalue(eigenvalues: NDArray[Any]) -> Array:
     """Real part, and imaginary part >= 0, of the first of two conjugate eigenvalues."""
     return np.array([eigenvalues[0].real, abs(eigenvalues[0].imag)])
+
+
+def falling(eigenvalues: NDArray[Any]) -> Array:
+    """The real parts of eigenvalues, the largest first."""
+    return np.sort(eigenvalues.real)[::-1]
 
 
 def real_and_imaginary(z: complex) -> Array:
@@ -79,22 +85,33 @@ ANSWERS: dict[str, Callable[..., Any]] = {
     "dot": np.dot,
     "difference": np.subtract,
     "quotient": np.divide,
+    "vector-sum": np.add,
+    "vector-difference": np.subtract,
     "plane-turn": lambda angle, v: plane(angle) @ v,
     "complex-turn": lambda angle, v: real_and_imaginary(np.exp(1j * angle[0]) * complex(*v)),
     "plane-eigenvalue": lambda angle: upper_eigenvalue(np.linalg.eigvals(plane(angle))),
     "plane-determinant": lambda angle: np.linalg.det(plane(angle)),
     "mirror": lambda angle, v: mirror(angle) @ v,
     "mirror-determinant": lambda angle: np.linalg.det(mirror(angle)),
+    "cosine-by-recurrence": lambda angle, n: cosine_by_recurrence(angle[0], int(n[0])),
+    "cosine-by-powers": lambda angle, n: cosine_by_powers(angle[0], int(n[0])),
     "turn-about": turn,
     "matrix-product": lambda m, n: square(m) @ square(n),
+    "matrix-difference": np.subtract,
     "matrix-vector": lambda m, v: square(m) @ v,
+    "transpose": lambda m: square(m).T,
     "determinant": lambda m: np.linalg.det(square(m)),
     "turn-angle": lambda m: turn_angle(square(m)),
+    "first-order-turn": lambda m, v: rotation.first_order_turn(square(m), v),
+    "orthogonality": lambda m: rotation.orthogonality(square(m)),
+    "nearest-turn": lambda m: rotation.nearest_turn(square(m)),
+    "orthogonal-freedom": lambda m: freedom.orthogonal_freedom(square(m)),
     "quaternion-about": lambda axis, angle: rotation.about_axis_quaternion(axis, angle[0]),
     "product": product,
     "real-product": lambda p, q: rotation.real_matrix(p) @ q,
     "complex-product": complex_product,
     "complex-eigenvalue": lambda q: upper_eigenvalue(np.linalg.eigvals(rotation.complex_matrix(q))),
+    "pauli-eigenvalues": lambda v: falling(np.linalg.eigvals(rotation.pauli_matrix(v))),
     "conjugate": conjugate,
     "inverse": lambda q: conjugate(q) / (q @ q),
     "absolute": np.linalg.norm,

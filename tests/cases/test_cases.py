@@ -109,8 +109,8 @@ CARRIED = {
 }
 TIMELESS = {
     "degrees-of-freedom": "points",
-    "moments-of-inertia": "a b c density hollow attitude",
-    "rotations": "angle vector euler omega near frequency",
+    "moments-of-inertia": "a b c density hollow thin attitude",
+    "rotations": "angle vector euler omega near frequency shifts small step multiple",
     "quaternions": "p q r vector omega rise",
 }
 SELECTIONS = {"time-reversal", "lyapunov"}

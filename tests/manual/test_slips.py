@@ -81,6 +81,40 @@ def test_the_product_is_no_quarter_turn() -> None:
     assert float(angle) == pytest.approx(120)
 
 
+def test_the_transpose_of_the_printed_matrix_turns_the_tensor() -> None:
+    holds, said = values("(1.30)")
+    assert holds == 0
+    assert said > 0.05
+
+
+def test_without_torque_the_angular_momentum_stays_and_the_tensor_turns() -> None:
+    tensor, momentum = values("section 1.3.6, (1.32)")
+    assert tensor > 0.1
+    assert momentum == 0
+
+
+def test_the_dashed_lines_keep_their_height() -> None:
+    place, speed, damped = values("captions of figures 1.15 and 1.16")
+    assert (place, speed) == (1, -1)
+    assert abs(damped) < 0.1
+
+
+def test_the_rule_of_the_product_is_that_of_the_definitions() -> None:
+    (_, table), (_, rule), (_, motion), (_, cosine) = MEASURED["exercise 1.2 a"]()
+    assert table == rule == "(-60, 12, 30, 24)"
+    assert motion == cosine
+
+
+def test_filippov_moves_nothing_along_the_segment_of_rest() -> None:
+    _, (_, weight), (_, sliding), (_, stop), (_, early), (_, late) = MEASURED[
+        "section 1.4.3, on Filippov's theory"
+    ]()
+    assert 0 < float(weight) < 1
+    assert sliding == "(0, 0)"
+    assert float(stop) == pytest.approx(3 * math.pi, rel=1e-5)
+    assert early == late == "-0.1"
+
+
 def test_a_crossing_is_a_crossing() -> None:
     assert crossings(np.array([[0, 0], [1, 1], [1, 0], [0, 1.0]])) == 1
     assert crossings(np.array([[0, 0], [1, 0], [1, 1], [0, 1.0]])) == 0
@@ -106,5 +140,5 @@ def test_a_slip_is_measured_when_its_page_is_made(monkeypatch: pytest.MonkeyPatc
 
 
 def test_every_slip_has_a_case() -> None:
-    assert len(SLIPS) == 13
+    assert len(SLIPS) == 18
     assert all(slip.measure.__doc__ for slip in SLIPS)

@@ -26,6 +26,7 @@ STATICS = {
             "c": "12",
             "density": "7800",
             "hollow": "0.9",
+            "thin": "1/4",
             "attitude": "1,2,3,4",
         },
     ],
@@ -37,6 +38,10 @@ STATICS = {
             "omega": "100,3,-7",
             "near": "1e-6",
             "frequency": "50",
+            "shifts": "1e3,2,3,-1/3,5,7",
+            "small": "1/1000",
+            "step": "1",
+            "multiple": "32",
         },
     ],
     "degrees-of-freedom": [{}, {"points": "1,2,3,-1,4,1e3,7,8,1,0.5,0.25,-3,9,-9,2"}],
@@ -63,7 +68,7 @@ PYMUNK = [("moments-of-inertia", "moments"), ("rotations", "vectors")]
 SAID = (
     [("mujoco", *each) for each in MUJOCO]
     + [("pymunk", *each) for each in PYMUNK]
-    + [("rebound", "quaternions", "rotation")]
+    + [("rebound", case, "rotation") for case in ("quaternions", "rotations")]
 )
 
 
@@ -345,6 +350,25 @@ def test_limits_of_the_table():
     )
 
 
+def test_thin_and_round_solids_are_the_limits_of_the_table():
+    thin = 2.0**-13
+    instance = discovery.case("moments-of-inertia").at(a="2", c="3", thin="1/8192")
+    scalars = {name: float(ball.mid) for name, ball in instance.truth().scalars().items()}
+
+    def per_mass(solid, axis):
+        return scalars[f"{solid}.inertia.{axis}"] / scalars[f"{solid}.mass"]
+
+    # m h^2/12 about the middle, m h^2/3 about the end, both but for m r^2/4.
+    assert per_mass("stick", "xx") == pytest.approx(9 / 12, rel=10 * thin**2)
+    assert per_mass("stick-at-end", "yy") == pytest.approx(9 / 3, rel=10 * thin**2)
+    # 2/5 m r^2, and m r^2 but for the thickness of the wall.
+    assert per_mass("sphere", "zz") == pytest.approx(2 / 5 * 4, rel=1e-14)
+    assert per_mass("hoop", "zz") == pytest.approx(4, rel=1.01 * thin)
+    # 2/5 m (r_o^5 - r_i^5)/(r_o^3 - r_i^3) with r_i = r_o/2.
+    hollow = 2 / 5 * (32 - 1) / (8 - 1)
+    assert per_mass("hollow-sphere", "xx") == pytest.approx(hollow, rel=1e-14)
+
+
 def test_truth_of_quaternions_is_hamiltons():
     truth = discovery.case("quaternions").at().truth().scalars()
     p = [Fraction(1), Fraction(-2), Fraction(1, 2), Fraction(3)]
@@ -412,6 +436,27 @@ def test_truth_of_rotations_is_that_of_products_of_sines_and_cosines():
     assert truth["globe-angle"] == pytest.approx(np.radians(120))
     assert truth["energy-ratio"] == pytest.approx(39.4784176043574, rel=1e-14)
     assert abs(truth["near-rates.2"]) > 900 * abs(truth["near-quaternion-rate.0"])
+
+
+def test_two_small_turns_fail_to_commute_by_the_square_of_their_angle():
+    for small in ("1/8", "1/64"):
+        truth = discovery.case("rotations").at(small=small).truth().scalars()
+        h = float(Fraction(small))
+        # h^2 about z, to a part h^2; what is beside it is of third order.
+        assert float(truth["turn-commutator.3"].mid) == pytest.approx(h**2, rel=h**2)
+        assert float(truth["loop-angle"].mid) == pytest.approx(h**2, rel=h**2)
+        assert float(truth["beyond-leading.2"].mid) == pytest.approx(h**3 / 2, rel=h)
+        assert truth["shift-commutator.0"].mid == 0
+
+
+def test_nine_entries_lag_four_times_as_far_as_a_quaternion():
+    truth = discovery.case("rotations").at(step="1/1000").truth().scalars()
+    v = 1e-3 * float(np.linalg.norm([1, -2, 0.5]))
+    # |v| - atan |v| and |v| - 2 atan(|v|/2): v^3/3 and v^3/12.
+    assert float(truth["nine-entries-lag"].mid) == pytest.approx(v**3 / 3, rel=v)
+    assert float(truth["four-entries-lag"].mid) == pytest.approx(v**3 / 12, rel=v)
+    assert float(truth["nine-entries-determinant"].mid - 1) == pytest.approx(v**2, rel=v)
+    assert truth["nine-entries-freedom"].mid == 3
 
 
 def about_z(angle):

@@ -24,6 +24,8 @@ ALGEBRA = frozenset(
             "rotated",
             "matrix-of-quaternion",
         ),
+        *("sum", "difference", "vector-sum", "vector-difference"),
+        *("matrix-difference", "transpose", "nearest-turn"),
         *("quaternion-of-matrix", "quaternion-of-euler", "rate", "unit", "absolute", "dot"),
     )
 )

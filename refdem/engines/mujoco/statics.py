@@ -110,6 +110,15 @@ def _quaternion(matrix: Array) -> Array:
     return -q
 
 
+def _nearest(matrix: Array) -> Array:
+    """The rotation matrix (9,) nearest to a matrix, refined from the quaternion that is read from
+    its entries.
+    """
+    q = _new(4, mujoco.mju_mat2Quat, matrix)
+    mujoco.mju_mat2Rot(q, matrix)
+    return _new(9, mujoco.mju_quat2Mat, q)
+
+
 ANSWERS: dict[str, Callable[..., Any]] = {
     "quaternion-about": lambda axis, angle: _new(4, mujoco.mju_axisAngle2Quat, axis, angle[0]),
     "turn-about": lambda axis, angle: _new(
@@ -119,6 +128,15 @@ ANSWERS: dict[str, Callable[..., Any]] = {
         9, lambda out, *_: mujoco.mju_mulMatMat(out.reshape(3, 3), m.reshape(3, 3), n.reshape(3, 3))
     ),
     "matrix-vector": lambda m, v: _new(3, mujoco.mju_mulMatVec, m.reshape(3, 3), v),
+    "sum": _by(4, mujoco.mju_add),
+    "difference": _by(4, mujoco.mju_sub),
+    "vector-sum": _by(3, mujoco.mju_add3),
+    "vector-difference": _by(3, mujoco.mju_sub3),
+    "matrix-difference": _by(9, mujoco.mju_sub),
+    "transpose": lambda m: _new(
+        9, lambda out: mujoco.mju_transpose(out.reshape(3, 3), m.reshape(3, 3))
+    ),
+    "nearest-turn": _nearest,
     "product": _by(4, mujoco.mju_mulQuat),
     "conjugate": _by(4, mujoco.mju_negQuat),
     "rotated": lambda q, v: _new(3, mujoco.mju_rotVecQuat, v, q),

@@ -7,7 +7,7 @@ the mass, is trace(M) 1 - M.
 """
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from fractions import Fraction
 
 from flint import arb
@@ -15,7 +15,7 @@ from flint import arb
 from refdem.core.parameters import Parameters
 from refdem.core.truth import Truth
 from refdem.truth.balls import arb_of
-from refdem.truth.exact import numbers, vector
+from refdem.truth.exact import number, numbers, vector
 from refdem.truth.timeless import Timeless
 
 F = Fraction
@@ -123,6 +123,11 @@ def angle(a: Fraction, b: Fraction, c: Fraction) -> Means:
     return Means(volume, centre, second)
 
 
+def ellipsoid(a: Fraction, b: Fraction, c: Fraction) -> Means:
+    """An ellipsoid with half-axes a, b, c about the origin: the mean of x^2 is a^2/5."""
+    return Means(a * b * c * 4 / 3, (F(0),) * 3, diagonal(a * a / 5, b * b / 5, c * c / 5), True)
+
+
 def cylinder(a: Fraction, b: Fraction, c: Fraction) -> Means:
     """An elliptical cylinder with half-axes a, b and height c, about the origin."""
     return Means(a * b * c, (F(0),) * 3, diagonal(a * a / 4, b * b / 4, c * c / 12), True)
@@ -130,9 +135,9 @@ def cylinder(a: Fraction, b: Fraction, c: Fraction) -> Means:
 
 SOLIDS: dict[str, Callable[[Fraction, Fraction, Fraction, Fraction], Means]] = {
     "cuboid": lambda a, b, c, f: cuboid(a, b, c),
-    "ellipsoid": lambda a, b, c, f: Means(
-        a * b * c * 4 / 3, (F(0),) * 3, diagonal(a * a / 5, b * b / 5, c * c / 5), True
-    ),
+    "ellipsoid": lambda a, b, c, f: ellipsoid(a, b, c),
+    "sphere": lambda a, b, c, f: ellipsoid(a, a, a),
+    "hollow-sphere": lambda a, b, c, f: hollowed(ellipsoid(a, a, a), f),
     "elliptical-cylinder": lambda a, b, c, f: cylinder(a, b, c),
     "rectangular-pyramid": lambda a, b, c, f: Means(
         a * b * c / 3, (F(0), F(0), c / 4), diagonal(a * a / 20, b * b / 20, c * c * 3 / 80)
@@ -231,10 +236,24 @@ def turned(means: Means, q: tuple[Fraction, ...]) -> Means:
     return Means(means.volume, (centre[0], centre[1], centre[2]), matrix(entry), means.is_round)
 
 
+def thin_solids(a: Fraction, c: Fraction, thin: Fraction) -> dict[str, Means]:
+    """A stick along z of length c and radius `thin` c, also about its end, and a hoop: a tube of
+    radius a whose wall is `thin` a.
+    """
+    stick = cylinder(thin * c, thin * c, c)
+    hoop = hollowed(cylinder(a, a, c), 1 - thin, across=True)
+    return {
+        "stick": stick,
+        "stick-at-end": replace(stick, about=(F(0), F(0), c / 2)),
+        "hoop": hoop,
+    }
+
+
 def every(p: Parameters) -> dict[str, Means]:
     """The solids at these parameters; the tetrahedron also turned by `attitude`."""
     sizes = numbers(p, "a", "b", "c", "hollow")
     solids = {name: solid(*sizes.values()) for name, solid in SOLIDS.items()}
+    solids |= thin_solids(sizes["a"], sizes["c"], number(p, "thin"))
     return solids | {"turned-tetrahedron": turned(solids["tetrahedron"], vector(p, "attitude"))}
 
 
@@ -263,7 +282,7 @@ PAIRS = tuple((pair[0], pair[1]) for pair in ("xx", "yy", "zz", "xy", "xz", "yz"
 
 
 def truth(p: Parameters, scale: Mapping[str, float]) -> Truth:
-    """The truth at parameters a, b, c [m], density [kg/m^3], hollow (a part), attitude."""
+    """The truth at parameters a, b, c [m], density [kg/m^3], hollow and thin (parts), attitude."""
     return Timeless(
         scale,
         lambda: values(p),

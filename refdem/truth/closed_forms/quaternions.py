@@ -104,7 +104,39 @@ def values(p: Parameters) -> dict[str, list[arb]]:
     u = q_matrix / acb(length)
     matrices = products(p, q_matrix, length) | rates(p, u)
     of_matrices = {name: numbers_of(matrix) for name, matrix in matrices.items()}
-    return of_matrices | rotation_rows(p, q_matrix, length, u)
+    return of_matrices | rotation_rows(p, q_matrix, length, u) | successive(p, u) | pauli(p)
+
+
+def successive(p: Parameters, u: acb_mat) -> dict[str, list[arb]]:
+    """Rotations by u1 = p/|p| and then by u2 = u: that by the product u2 u1, and in the other
+    order that by u1 u2.
+    """
+    p_matrix = of_numbers(vector(p, "p"))
+    u1 = p_matrix / acb(absolute(p_matrix))
+    v = of_numbers(vector(p, "vector"))
+    # One after the other: u2 (u1 v u1*) u2*.
+    first = rotated(u1, v)
+    both = rotated(u, of_balls(first))
+    return {
+        "u1": numbers_of(u1),
+        "u2-u1": numbers_of(u * u1),
+        "u1-u2": numbers_of(u1 * u),
+        "rotated-by-u1": first,
+        "rotated-in-turn": both,
+        "rotated-at-once": both,
+        "rotated-in-other-order": rotated(u1, of_balls(rotated(u, v))),
+    }
+
+
+def pauli(p: Parameters) -> dict[str, list[arb]]:
+    """Eigenvalues of Pauli's matrices (1.143), 1 and -1; of those of i, j and k (1.142), i and -i;
+    and of x s1 + y s2 + z s3, +-|(x, y, z)|, since its square is |(x, y, z)|^2 1.
+    """
+    square = sum((arb_of(component) ** 2 for component in vector(p, "vector")), arb(0))
+    length = square.sqrt()
+    of_axes = {f"pauli-{axis}": [arb(1), arb(-1)] for axis in "xyz"}
+    of_elements = {f"element-{axis}": [arb(0), arb(1)] for axis in "ijk"}
+    return of_axes | of_elements | {"pauli-vector": [length, -length]}
 
 
 def products(p: Parameters, q_matrix: acb_mat, length: arb) -> dict[str, acb_mat]:

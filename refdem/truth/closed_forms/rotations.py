@@ -13,6 +13,7 @@ from flint import acb, arb
 from refdem.core.parameters import Parameters
 from refdem.core.truth import Truth
 from refdem.truth.balls import arb_of
+from refdem.truth.closed_forms import nine_entries
 from refdem.truth.closed_forms.quaternions import listed
 from refdem.truth.exact import number, vector
 from refdem.truth.timeless import Timeless
@@ -110,7 +111,74 @@ def values(p: Parameters) -> dict[str, list[arb]]:
         "frequency-energy": [frequency * frequency / 2],
         "energy-ratio": [4 * arb.pi() ** 2],
     }
-    return quarter_turns | in_the_plane(p) | by_euler(p) | energies
+    euler = [arb_of(angle) for angle in vector(p, "euler")]
+    step = nine_entries.values(p, euler_matrix(*euler), quaternion(*euler))
+    angles = in_the_plane(p) | of_multiples(p) | by_euler(p)
+    return quarter_turns | angles | energies | shifted(p) | by_small_turns(p) | step
+
+
+def of_multiples(p: Parameters) -> dict[str, list[arb]]:
+    """Cosines of 3, 4 and n times the angle."""
+    angle = arb_of(number(p, "angle"))
+    cosine = (angle * arb_of(number(p, "multiple"))).cos()
+    return {
+        "cosine-3": [(3 * angle).cos()],
+        "cosine-4": [(4 * angle).cos()],
+        "cosine-by-powers": [cosine],
+        "cosine-by-recurrence": [cosine],
+    }
+
+
+def shifted(p: Parameters) -> dict[str, list[arb]]:
+    """The point e_x after two translations, in both orders: the same place."""
+    shifts = vector(p, "shifts")
+    first = shifts[:3]
+    second = shifts[3:]
+    start = (1, 0, 0)
+    both = [x + y + z for x, y, z in zip(start, first, second, strict=True)]
+    return {
+        "shifted-first": [arb_of(x + y) for x, y in zip(start, first, strict=True)],
+        "shifted-first-second": [arb_of(x) for x in both],
+        "shifted-second": [arb_of(x + y) for x, y in zip(start, second, strict=True)],
+        "shifted-second-first": [arb_of(x) for x in both],
+        "shift-commutator": [arb(0)] * 3,
+    }
+
+
+def by_small_turns(p: Parameters) -> dict[str, list[arb]]:
+    """Turns by the angle h about x and y, with s = sin h and c = cos h.
+
+    Their commutator has s^2 in the plane x-y, the leading term h^2 [e_z], and s (1 - c), of third
+    order, beside it. The loop Rx(h) Ry(h) Rx(-h) Ry(-h) has the scalar 1 - 2 sin^4(h/2) of its
+    quaternion: it turns by 4 asin(sin^2(h/2)), which is h^2 to leading order.
+    """
+    h = arb_of(number(p, "small"))
+    s, c = h.sin_cos()
+    zero = arb(0)
+    one = arb(1)
+    third = s * (1 - c)
+    beyond = s * s - h * h
+    return {
+        "small-x": [one, zero, zero, zero, c, -s, zero, s, c],
+        "small-y": [c, zero, s, zero, one, zero, -s, zero, c],
+        "small-x-back": [one, zero, zero, zero, c, s, zero, -s, c],
+        "small-y-back": [c, zero, -s, zero, one, zero, s, zero, c],
+        "small-x-y": [c, zero, s, s * s, c, -s * c, -s * c, s, c * c],
+        "small-y-x": [c, s * s, s * c, zero, c, -s, -s, s * c, c * c],
+        "turn-commutator": [zero, -s * s, third, s * s, zero, third, third, third, zero],
+        "beyond-leading": [zero, -beyond, third, beyond, zero, third, third, third, zero],
+        "loop-back": [c, zero, -s, s * s, c, s * c, s * c, -s, c * c],
+        "loop": loop(s, c),
+        "loop-angle": [4 * ((h / 2).sin() ** 2).asin()],
+    }
+
+
+def loop(s: arb, c: arb) -> list[arb]:
+    """Rx(h) Ry(h) Rx(-h) Ry(-h), row by row, with s = sin h and c = cos h."""
+    row_x = [c * c + s * s * c, -s * s, s * c * (c - 1)]
+    row_y = [s * s * c * (2 - c), c * c + s * s * c, s * c * c * (1 - c) - s**3]
+    row_z = [s**3 - s * c * c * (1 - c), s * c * (1 - c), 2 * s * s * c + c**4]
+    return [*row_x, *row_y, *row_z]
 
 
 def in_the_plane(p: Parameters) -> dict[str, list[arb]]:
@@ -145,13 +213,8 @@ def by_euler(p: Parameters) -> dict[str, list[arb]]:
     omega_x, omega_y, omega_z = (arb_of(component) for component in vector(p, "omega"))
     omega = (omega_x, omega_y, omega_z)
     near_quaternion = quaternion(phi, near, psi)
-    w, x, y, z = near_quaternion
-    # The product omega q of quaternions; q' = omega q/2 (1.67).
-    product_w = -omega_x * x - omega_y * y - omega_z * z
-    product_x = omega_x * w + omega_y * z - omega_z * y
-    product_y = omega_y * w + omega_z * x - omega_x * z
-    product_z = omega_z * w + omega_x * y - omega_y * x
-    omega_q = [product_w, product_x, product_y, product_z]
+    # q' = omega q/2 (1.67).
+    omega_q = nine_entries.vector_times(omega, near_quaternion)
     return {
         "euler-matrix": euler_matrix(phi, theta, psi),
         "euler-back": [phi, theta, psi],
@@ -165,7 +228,7 @@ def by_euler(p: Parameters) -> dict[str, list[arb]]:
 
 def truth(p: Parameters, scale: Mapping[str, float]) -> Truth:
     """The truth at parameters angle [rad], vector, euler [rad], omega [rad/s], near [rad],
-    frequency [Hz].
+    frequency [Hz], shifts, small [rad], step [s], multiple.
 
     `scale` maps every quantity to the size against which its error counts.
     """

@@ -18,6 +18,14 @@ from refdem.core.parameters import Exact
 from refdem.truth.balls import arb_of
 from refdem.truth.exact import number, numbers, vector
 from refdem.truth.witnesses.testimony import Claimed, Said, Witness
+from refdem.truth.witnesses.turns import (
+    about,
+    commuting,
+    hamilton,
+    of_a_step,
+    of_multiples,
+    row_by_row,
+)
 
 PRIME = 2**61 - 1
 """Modulus of the elimination, a Mersenne prime: a rank is too low by chance in 1 of 10^18 matrices.
@@ -200,10 +208,21 @@ def solids(p: Mapping[str, Exact]) -> dict[str, Rule]:
     hollow = {
         "hollow-cuboid": without(boxed(a, b, c), boxed(a * f, b * f, c * f)),
         "hollow-cylinder": without(cylinder(a, a, c), cylinder(a * f, a * f, c)),
+        "hollow-sphere": without(ellipsoid(a, a, a), ellipsoid(a * f, a * f, a * f)),
+    }
+    # The radius of the stick, and that inside the hoop.
+    thin = number(p, "thin")
+    radius = thin * c
+    inside = a - thin * a
+    limits = {
+        "sphere": ellipsoid(a, a, a),
+        "stick": cylinder(radius, radius, c),
+        "stick-at-end": cylinder(radius, radius, c),
+        "hoop": without(cylinder(a, a, c), cylinder(inside, inside, c)),
     }
     tetrahedron = images(a, b, c)["tetrahedron"]
     turns = {"turned-tetrahedron": turned(tetrahedron, vector(p, "attitude"))}
-    return plain | hollow | images(a, b, c) | turns
+    return plain | hollow | limits | images(a, b, c) | turns
 
 
 def images(a: Fraction, b: Fraction, c: Fraction) -> dict[str, Rule]:
@@ -257,9 +276,11 @@ def turned(rule: Rule, q: Sequence[Fraction]) -> Rule:
 def weighed(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claimed) -> Said:
     """Mass, centre of mass and inertia tensor of every solid, as sums over the points of its rule.
 
-    The tensor is about the centre of mass; that of cuboid-at-corner about its corner.
+    The tensor is about the centre of mass; that of cuboid-at-corner about its corner, that of
+    stick-at-end about its end.
     """
     corner = [arb_of(x / 2) for x in numbers(p, "a", "b", "c").values()]
+    points_of_reference = {"cuboid-at-corner": corner, "stick-at-end": [arb(0), arb(0), corner[2]]}
     quantities: dict[str, arb] = {}
     for name, rule in solids(p).items():
         # The rule of the point masses has their masses as weights.
@@ -270,10 +291,7 @@ def weighed(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claimed)
         points = [(density * arb_of(weight), [arb_of(x) for x in point]) for weight, point in rule]
         mass = sum((m for m, _ in points), arb(0))
         centre = [sum((m * r[i] for m, r in points), arb(0)) / mass for i in range(3)]
-        if name == "cuboid-at-corner":
-            origin = corner
-        else:
-            origin = centre
+        origin = points_of_reference.get(name, centre)
         arms = [(m, [x - y for x, y in zip(r, origin, strict=True)]) for m, r in points]
         quantities[f"{name}.mass"] = mass
         for axis, x in zip("xyz", centre, strict=True):
@@ -290,17 +308,6 @@ def _inertia(arms: Sequence[tuple[arb, Sequence[arb]]], i: int, j: int) -> arb:
         square = r[0] * r[0] + r[1] * r[1] + r[2] * r[2]
         entry += m * (square * int(i == j) - r[i] * r[j])
     return entry
-
-
-def hamilton(a: Point, b: Point) -> list[Any]:
-    """Hamilton's product of two quaternions."""
-    aw, ax, ay, az = a
-    bw, bx, by, bz = b
-    w = aw * bw - ax * bx - ay * by - az * bz
-    x = aw * bx + ax * bw + ay * bz - az * by
-    y = aw * by - ax * bz + ay * bw + az * bx
-    z = aw * bz + ax * by - ay * bx + az * bw
-    return [w, x, y, z]
 
 
 def matrix_of(q: Point) -> list[list[Any]]:
@@ -380,14 +387,26 @@ def products(p: Mapping[str, Exact], length: arb) -> dict[str, Sequence[Any]]:
         "real-product": pq,
         "complex-product": pq,
     }
-    return of_product | {
-        "sum": both,
-        "conjugate-of-sum": conjugate(both),
-        "inverse": inverse,
-        "one": hamilton(b, inverse),
-        "absolute": [length],
-        "complex-eigenvalue": [b[0], imaginary],
+    # Eigenvalues of x s1 + y s2 + z s3: +-|(x, y, z)|; those of i, j, k are +-i.
+    v = vector(p, "vector")
+    size = arb_of(sum((x * x for x in v), Fraction(0))).sqrt()
+    of_pauli: dict[str, Sequence[Any]] = {
+        **{f"pauli-{axis}": [Fraction(1), Fraction(-1)] for axis in "xyz"},
+        **{f"element-{axis}": [Fraction(0), Fraction(1)] for axis in "ijk"},
+        "pauli-vector": [size, -size],
     }
+    return (
+        of_product
+        | of_pauli
+        | {
+            "sum": both,
+            "conjugate-of-sum": conjugate(both),
+            "inverse": inverse,
+            "one": hamilton(b, inverse),
+            "absolute": [length],
+            "complex-eigenvalue": [b[0], imaginary],
+        }
+    )
 
 
 def turns_by(p: Mapping[str, Exact], u: Sequence[arb]) -> dict[str, Sequence[Any]]:
@@ -395,6 +414,11 @@ def turns_by(p: Mapping[str, Exact], u: Sequence[arb]) -> dict[str, Sequence[Any
     v = vector(p, "vector")
     matrix = matrix_of(u)
     twice = hamilton(u, u)
+    first = vector(p, "p")
+    first_length = arb_of(sum((x * x for x in first), Fraction(0))).sqrt()
+    u1 = [arb_of(x) / first_length for x in first]
+    u2_u1 = hamilton(u, u1)
+    u1_u2 = hamilton(u1, u)
     rotated = applied(matrix, v)
     minus_u = [-x for x in u]
     # From its matrix a quaternion comes back with w >= 0.
@@ -413,6 +437,13 @@ def turns_by(p: Mapping[str, Exact], u: Sequence[arb]) -> dict[str, Sequence[Any
         "euler": euler_of(matrix),
         "turned-twice": twice,
         "rotated-twice": applied(matrix_of(twice), v),
+        "u1": u1,
+        "u2-u1": u2_u1,
+        "u1-u2": u1_u2,
+        "rotated-by-u1": applied(matrix_of(u1), v),
+        "rotated-in-turn": applied(matrix_of(u2_u1), v),
+        "rotated-at-once": applied(matrix_of(u2_u1), v),
+        "rotated-in-other-order": applied(matrix_of(u1_u2), v),
     }
 
 
@@ -443,16 +474,6 @@ def rates_of(p: Mapping[str, Exact], u: Sequence[arb]) -> dict[str, Sequence[Any
     }
 
 
-def about(axis: str, angle: arb) -> arb_mat:
-    """The matrix of a turn by `angle` [rad] about the coordinate axis "x", "y" or "z"."""
-    i = "xyz".index(axis)
-    j = (i + 1) % 3
-    k = (i + 2) % 3
-    sine, cosine = angle.sin_cos()
-    entries = {(i, i): arb(1), (j, j): cosine, (k, k): cosine, (j, k): -sine, (k, j): sine}
-    return arb_mat([[entries.get((m, n), arb(0)) for n in range(3)] for m in range(3)])
-
-
 PRODUCTS = (
     ("z-then-x", "x+90", "z+90"),
     ("x-then-z", "z+90", "x+90"),
@@ -475,7 +496,12 @@ def rotations(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claime
         "frequency-energy": [of_frequency],
         "energy-ratio": [energy / of_frequency],
     }
-    yield None, listed(quarter_turns() | in_the_plane(p) | by_euler(p) | energies)
+    phi, theta, psi = (arb_of(x) for x in vector(p, "euler"))
+    matrix = about("z", phi) * about("x", theta) * about("z", psi)
+    stepped = of_a_step(p, matrix, attitude(phi, theta, psi))
+    stepped["nine-entries-freedom"] = [freedom_of_nine_entries()]
+    angles = in_the_plane(p) | of_multiples(p) | by_euler(p)
+    yield None, listed(quarter_turns() | commuting(p) | angles | stepped | energies)
 
 
 def quarter_turns() -> dict[str, Sequence[Any]]:
@@ -495,11 +521,6 @@ def quarter_turns() -> dict[str, Sequence[Any]]:
         # The trace is 1 + 2 cos(angle).
         "globe-angle": [((trace - 1) / 2).acos()],
     }
-
-
-def row_by_row(m: arb_mat) -> list[arb]:
-    """The entries of a matrix."""
-    return [x for row in m.table() for x in row]
 
 
 def in_the_plane(p: Mapping[str, Exact]) -> dict[str, Sequence[Any]]:
@@ -522,6 +543,21 @@ def in_the_plane(p: Mapping[str, Exact]) -> dict[str, Sequence[Any]]:
         "plane-eigenvalue": [turn[0, 0], absolute_sine],
         "mirror": mirrored_v,
     }
+
+
+def freedom_of_nine_entries() -> int:
+    """The number of rates X of the entries of the matrix 1 that keep it orthogonal: X + X^T = 0.
+
+    Those of any other rotation R are X R.
+    """
+    conditions = []
+    for i, j in combinations(range(4), 2):
+        # The pairs i < j of 0 .. 3 stand for the pairs i <= j - 1 of axes.
+        row = [Fraction(0)] * 9
+        row[3 * i + j - 1] += 1
+        row[3 * (j - 1) + i] += 1
+        conditions.append(row)
+    return 9 - rank(conditions)
 
 
 def by_euler(p: Mapping[str, Exact]) -> dict[str, Sequence[Any]]:

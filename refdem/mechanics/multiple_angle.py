@@ -1,0 +1,31 @@
+"""The cosine of a multiple of an angle from the sine and cosine of the angle: how a nonlinear
+oscillator makes higher harmonics (chapter 1, section 1.5.5).
+"""
+
+import math
+
+
+def cosine_by_recurrence(angle: float, multiple: int) -> float:
+    """cos(n angle), for `angle` [rad] and n = `multiple` >= 0, by the recurrence cos((k + 1) angle)
+    = 2 cos(angle) cos(k angle) - cos((k - 1) angle).
+    """
+    cosine = math.cos(angle)
+    # cos(k angle) and cos((k - 1) angle), from k = 0 on.
+    current = 1.0
+    previous = cosine
+    for _ in range(multiple):
+        current, previous = 2 * cosine * current - previous, current
+    return current
+
+
+def cosine_by_powers(angle: float, multiple: int) -> float:
+    """cos(n angle), for `angle` [rad] and n = `multiple` >= 0, as the real part of (cos + i sin)^n:
+    the sum over k of (-1)^k binomial(n, 2 k) sin^(2 k) cos^(n - 2 k).
+    """
+    sine = math.sin(angle)
+    cosine = math.cos(angle)
+    terms = []
+    for k in range(multiple // 2 + 1):
+        binomial = math.comb(multiple, 2 * k)
+        terms.append((-1) ** k * binomial * sine ** (2 * k) * cosine ** (multiple - 2 * k))
+    return math.fsum(terms)
