@@ -45,7 +45,7 @@ def _is_broken(finding: Finding) -> bool:
 
 
 def _rule(check: str) -> dict[str, object]:
-    """The rule of a check."""
+    """The rule that stands for a check."""
     return {"id": check, "shortDescription": {"text": f"The check {check} of refdem."}}
 
 

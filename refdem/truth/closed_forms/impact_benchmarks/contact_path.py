@@ -34,7 +34,6 @@ from typing import Any, Self
 
 from flint import arb, arb_mat
 
-from refdem.core.truth import Ball
 from refdem.errors import NotCertifiedError
 from refdem.truth.balls import UndecidedError, arb_of, ball_of, precision
 from refdem.truth.closed_form import ClosedForm, per_precision
@@ -128,9 +127,9 @@ class ContactPath(ClosedForm):
         self.refiner = Refiner.of(scale)
         self.path = path
 
-    def at(self, t: Fraction) -> dict[str, Ball]:
-        """Every quantity at the exact time t [s]; NotCertifiedError where more digits are asked for
-        than the finite masses leave, at any precision.
+    def refuse_more_digits(self, t: arb) -> None:
+        """Raises NotCertifiedError where more digits are asked for than the finite masses leave, at
+        any precision.
         """
         most = self.most_digits()
         if self.digits > most:
@@ -144,7 +143,6 @@ class ContactPath(ClosedForm):
                 code="precision",
                 time=0.0,
             )
-        return super().at(t)
 
     def most_digits(self) -> int:
         """The number of digits that are certified, of the quantity with the smallest scale: what
@@ -418,6 +416,7 @@ class ContactPath(ClosedForm):
 
     def evaluate(self, t: arb) -> dict[str, arb]:
         """impulse, turning (impulse), r and v by axis at time t, in axes of space."""
+        self.refuse_more_digits(t)
         n = self.numbers()
         p = self.path
         total = self.gained(n["x"] + n["V"] * t)
