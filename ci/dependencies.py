@@ -59,7 +59,8 @@ def wanted(extras: list[str]) -> list[str]:
             found += optional[extra]
         if extra == "every":
             found += [line for lines in optional.values() for line in lines]
-    return list(dict.fromkeys(found))
+    # An extra that stands for others names refdem itself; theirs are there by their own names.
+    return [line for line in dict.fromkeys(found) if plain(line) != "refdem"]
 
 
 def locked(text: str) -> list[Locked]:

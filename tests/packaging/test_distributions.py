@@ -40,13 +40,20 @@ def sdist(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 @pytest.fixture(scope="module")
-def wheel(sdist: Path, tmp_path_factory: pytest.TempPathFactory) -> set[str]:
-    """Names in the wheel that is built from the unpacked source distribution."""
-    folder = tmp_path_factory.mktemp("wheel")
+def unpacked(sdist: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The folder of the unpacked source distribution."""
+    folder = tmp_path_factory.mktemp("unpacked")
     with tarfile.open(sdist) as archive:
         # An attribute and no argument: filters came with Python 3.11.4, and any 3.11 will do.
         archive.extraction_filter = getattr(tarfile, "data_filter", None)
         archive.extractall(folder)
+    return folder / f"refdem-{VERSION}"
+
+
+@pytest.fixture(scope="module")
+def wheel(unpacked: Path, tmp_path_factory: pytest.TempPathFactory) -> set[str]:
+    """Names in the wheel that is built from the unpacked source distribution."""
+    folder = tmp_path_factory.mktemp("wheel")
     build = [
         sys.executable,
         "-m",
@@ -60,7 +67,7 @@ def wheel(sdist: Path, tmp_path_factory: pytest.TempPathFactory) -> set[str]:
         str(folder),
     ]
     subprocess.run(
-        [*build, str(folder / f"refdem-{VERSION}")],
+        [*build, str(unpacked)],
         env=ENVIRONMENT,
         check=True,
         capture_output=True,
@@ -103,3 +110,59 @@ def test_the_wheel_holds_nothing_else(wheel: set[str]) -> None:
 
 def test_the_wheel_carries_the_licence(wheel: set[str]) -> None:
     assert any(name.endswith("LICENSE") for name in wheel)
+
+
+OWN_INTEGRATOR = """
+import refdem
+
+
+def leapfrog(t, r, v, h, a):
+    v = v + h / 2 * a(t, r, v)
+    r = r + h * v
+    return r, v + h / 2 * a(t + h, r, v)
+
+
+judged = refdem.judge(leapfrog, "two-body-orbit", order=2)
+print(judged)
+raise SystemExit(not judged.passed)
+"""
+
+
+def test_an_environment_with_nothing_else_judges_an_integrator_of_its_own(
+    unpacked: Path, tmp_path: Path
+) -> None:
+    """As the action installs it: the source distribution is built, and each package that is
+    installed has its digest in the lock.
+    """
+    place = tmp_path / "installed"
+    install = ["bash", str(unpacked / "ci" / "gate" / "install"), str(place)]
+    environment = {
+        name: value for name, value in os.environ.items() if not name.startswith("PYTHON")
+    }
+    environment |= {"PYTHON": sys.executable, "REFDEM_STORE": str(tmp_path / "store.sqlite")}
+    subprocess.run(install, cwd=tmp_path, env=environment, check=True, timeout=1800)
+    python = place / "bin" / "python"
+    subprocess.run([python, "-m", "pip", "check"], cwd=tmp_path, env=environment, check=True)
+    (tmp_path / "leapfrog.py").write_text(OWN_INTEGRATOR)
+    for program, status in ((OWN_INTEGRATOR, 0), (OWN_INTEGRATOR.replace("h / 2", "h"), 1)):
+        (tmp_path / "leapfrog.py").write_text(program)
+        done = subprocess.run(
+            [python, "leapfrog.py"],
+            cwd=tmp_path,
+            env=environment,
+            capture_output=True,
+            text=True,
+            timeout=600,
+        )
+        assert done.returncode == status, done.stdout + done.stderr
+        assert "leapfrog" in done.stdout
+
+
+def test_an_extra_that_stands_for_others_names_extras_that_are_there() -> None:
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
+    extras = project["optional-dependencies"]
+    for name in ("engines", "all"):
+        (requirement,) = extras[name]
+        assert requirement.startswith("refdem[")
+        assert requirement.endswith("]")
+        assert set(requirement[len("refdem[") : -1].split(",")) <= set(extras)
