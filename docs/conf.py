@@ -43,7 +43,7 @@ include_patterns = [
     "CODE_OF_CONDUCT.md",
 ]
 # Folders that are not walked through.
-exclude_patterns = [".*", "build", "dist", "refdem", "tests", "validation", "reports/site"]
+exclude_patterns = [".*", "build", "paper", "dist", "refdem", "tests", "validation", "reports/site"]
 source_suffix = {".md": "markdown", ".ipynb": "notebook"}
 
 myst_enable_extensions = ["dollarmath", "deflist"]
