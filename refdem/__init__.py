@@ -3,7 +3,17 @@ truth.
 """
 
 from importlib import import_module
-from typing import Any
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from refdem.api import judge as judge
+    from refdem.api import run as run
+    from refdem.api import sampled as sampled
+    from refdem.core.discovery import truth_of as truth_of
+    from refdem.errors import RefdemError as RefdemError
+    from refdem.report import records as records
+    from refdem.scene import Body as Body
+    from refdem.scene import Scene as Scene
 
 __version__ = "0.2.0"
 
@@ -14,6 +24,7 @@ _HOMES = {
     "judge": "refdem.api",
     "records": "refdem.report",
     "run": "refdem.api",
+    "sampled": "refdem.api",
     "truth_of": "refdem.core.discovery",
 }
 

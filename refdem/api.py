@@ -1,28 +1,44 @@
-"""What a program or a notebook calls: runs of a case, and an integrator of one's own that is
-judged.
+"""What a program or a notebook calls: certified values, runs of a case, and an integrator of one's
+own that is judged.
 """
 
 from collections import Counter
 from collections.abc import Iterable
 from dataclasses import dataclass
+from fractions import Fraction
 from functools import cached_property
 from html import escape
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from refdem.campaign.campaign import Campaign
 from refdem.campaign.specification import Entry, Specification
 from refdem.cli.summary import lines
+from refdem.core.discovery import truth_of
 from refdem.core.engine import Method
 from refdem.core.finding import BROKEN, Finding, Record, Sheet, findings_of
 from refdem.core.outside import one_line
 from refdem.core.parameters import text_of
 from refdem.core.store import Store, default_path
+from refdem.errors import UsageError
 from refdem.gate import in_process
 from refdem.gate.own_step import OwnStep, Step
-from refdem.report.tables import tables
+from refdem.report import chart_data, charts
+from refdem.report.contents import contents_of
+from refdem.report.tables import Tables, tables
+from refdem.report.tolerance import rows_of
 
 if TYPE_CHECKING:
+    import altair as alt
     import pandas as pd
+
+
+class Sampled(NamedTuple):
+    """Certified values as DataFrames with a row for each time t [s] and a column for each quantity:
+    the doubles nearest to the middles, and radii about these doubles that contain the true values.
+    """
+
+    middles: "pd.DataFrame"
+    radii: "pd.DataFrame"
 
 
 @dataclass(frozen=True, repr=False)
@@ -51,18 +67,73 @@ class Judged:
 
     @cached_property
     def findings(self) -> "pd.DataFrame":
-        """A row for each finding, with its bound and sentence."""
-        return tables(self.sheets).findings
+        """A row for each finding, with its bound and sentence, and the parameters of the case."""
+        return self._with_parameters(self._tables.findings)
 
     @cached_property
     def tolerance(self) -> "pd.DataFrame":
-        """A row of the tolerance table for each engine, method and quantity."""
-        return tables(self.sheets).tolerance
+        """A row of the tolerance table for each engine, method and quantity, with the parameters of
+        the case.
+        """
+        return self._with_parameters(self._tables.tolerance)
 
     @cached_property
     def levels(self) -> "pd.DataFrame":
-        """A row a refinement level, with its step, error, bound and cost."""
-        return tables(self.sheets).levels
+        """A row a refinement level, with its step, error, bound and cost, and the parameters of the
+        case.
+        """
+        return self._with_parameters(self._tables.levels)
+
+    @cached_property
+    def _tables(self) -> Tables:
+        """The sheets as DataFrames."""
+        return tables(self.sheets)
+
+    def _with_parameters(self, frame: "pd.DataFrame") -> "pd.DataFrame":
+        """A DataFrame with a column for each parameter behind its own: numbers where all its values
+        are numbers, else texts as they were given. A name that is taken ends in `_set`.
+        """
+        import pandas as pd
+
+        of_labels = {record.label: record.parameters for record in self.records}
+        parameters = pd.DataFrame([of_labels[label] for label in frame["label"]], dtype=object)
+        for name in parameters.columns:
+            numbers = pd.to_numeric(parameters[name], errors="coerce")
+            if numbers.notna().all():
+                parameters[name] = numbers
+        taken = {name: f"{name}_set" for name in parameters.columns if name in frame.columns}
+        return frame.join(parameters.rename(columns=taken))
+
+    def chart(self) -> "alt.TopLevelMixin":
+        """Error against step, with the bounds, as the report draws it; a notebook shows it.
+
+        Raises UsageError where no run has an error.
+        """
+        import altair as alt
+
+        contents = contents_of(self.sheets)
+        rows = [row for sheet in contents.cases for row in rows_of(contents, sheet.label)]
+        data = chart_data.errors(contents, rows)
+        if data is None:
+            raise UsageError(f"there is nothing to draw, as no error was measured: {self!r}")
+        chart: alt.TopLevelMixin = alt.Chart.from_dict(charts.specification(data))
+        return chart
+
+    def plot(self, axes: Any) -> None:
+        """Draws the largest error of each method against its step into axes of matplotlib, with its
+        bound dashed.
+        """
+        worst = self.levels.groupby(["engine", "method", "level"], as_index=False)[
+            ["error", "bound"]
+        ].max()
+        for (engine, method), curve in worst.groupby(["engine", "method"]):
+            (line,) = axes.plot(curve["level"], curve["error"], "o-", label=f"{engine} {method}")
+            axes.plot(curve["level"], curve["bound"], "--", color=line.get_color())
+        axes.set_xscale("log")
+        axes.set_yscale("log")
+        axes.set_xlabel("step [s], or tolerance")
+        axes.set_ylabel("largest error, of the scale of its quantity")
+        axes.legend()
 
     def _findings(self) -> Iterable[Finding]:
         """All findings, record by record."""
@@ -92,6 +163,25 @@ class Judged:
 def _shown(text: str) -> str:
     """Text of a program as a cell of HTML."""
     return escape(one_line(text))
+
+
+def sampled(case: str, times: Iterable[Any], **parameters: Any) -> Sampled:
+    """Certified values of a case at times [s], each a number or a text such as "1/3":
+    `sampled("pendulum", [0, 0.5, 1], theta0=2.0).middles["x"].to_numpy()`.
+
+    Raises NotCertifiedError for a time beyond which nothing is certified.
+    """
+    import pandas as pd
+
+    truth = truth_of(case, **parameters)
+    # A float is the number that it is, as it is for parameters.
+    exact = [Fraction(text_of(t)) for t in times]
+    balls = [truth.at(t) for t in exact]
+    index = pd.Index([float(t) for t in exact], name="t")
+    pairs = [{name: ball.rounded() for name, ball in row.items()} for row in balls]
+    middles = [{name: middle for name, (middle, _) in row.items()} for row in pairs]
+    radii = [{name: radius for name, (_, radius) in row.items()} for row in pairs]
+    return Sampled(pd.DataFrame(middles, index=index), pd.DataFrame(radii, index=index))
 
 
 def run(

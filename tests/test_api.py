@@ -1,10 +1,13 @@
 """What Python imports: runs of a case, and an integrator of one's own that is judged."""
 
+import subprocess
+import sys
 from fractions import Fraction
 from pathlib import Path
 
 import numpy as np
 import pytest
+from matplotlib.figure import Figure
 
 import refdem
 from refdem.errors import UsageError
@@ -121,3 +124,62 @@ def test_several_numbers_may_be_a_list_or_an_array() -> None:
     written = refdem.truth_of("double-pendulum", masses="1,2", duration="1/8")
     at = Fraction(1, 16)
     assert listed.at(at) == of_array.at(at) == written.at(at)
+
+
+def test_certified_values_are_arrays_with_the_radii_that_contain_them() -> None:
+    times = [0, 0.25, "1/3"]
+    middles, radii = refdem.sampled("pendulum", times, theta0=2.0)
+    assert middles.index.tolist() == radii.index.tolist() == [0.0, 0.25, 1 / 3]
+    truth = refdem.truth_of("pendulum", theta0=2.0)
+    for row, t in enumerate((Fraction(0), Fraction(1, 4), Fraction(1, 3))):
+        for name, ball in truth.at(t).items():
+            middle = middles[name].iloc[row]
+            assert middle == float(ball)
+            assert abs(Fraction(middle) - ball.mid) + ball.radius <= Fraction(radii[name].iloc[row])
+    assert 0 < radii.to_numpy().max() < 1e-15
+
+
+def test_a_time_beyond_what_is_certified_is_said() -> None:
+    with pytest.raises(UsageError, match="expected a finite number"):
+        refdem.sampled("pendulum", [float("nan")])
+
+
+def test_tables_have_the_parameters_in_columns() -> None:
+    judged = refdem.run("pendulum", "reference", method="rattle", theta0=2.0, levels=2)
+    for frame in (judged.findings, judged.tolerance, judged.levels):
+        assert frame["theta0"].unique().tolist() == [2.0]
+    assert {"step_for_3_digits", "seconds_for_6_digits"} <= set(judged.tolerance.columns)
+    spheres = refdem.run("two-spheres", "reference", levels=2)
+    assert set(spheres.findings["masses"]) == {"1,1"}
+
+
+def test_errors_are_drawn_by_altair_and_into_axes_of_matplotlib() -> None:
+    judged = refdem.judge(leapfrog, "harmonic-oscillator", order=2)
+    drawn = judged.chart().to_dict()
+    assert "leapfrog" in str(drawn["datasets"])
+    axes = Figure().subplots()
+    judged.plot(axes)
+    errors, bounds = axes.get_lines()
+    assert np.all(errors.get_ydata() < bounds.get_ydata())
+    assert errors.get_xdata().tolist() == sorted(set(judged.levels["level"]))
+    with pytest.raises(UsageError, match="nothing to draw"):
+        refdem.judge(leapfrog, "pendulum", order=2).chart()
+
+
+CALLS = """
+import refdem
+
+judged = refdem.run("pendulum", theta0=2.0)
+reveal_type(judged)
+reveal_type(refdem.truth_of("pendulum"))
+reveal_type(refdem.sampled)
+"""
+
+
+def test_a_type_checker_sees_what_is_called(tmp_path: Path) -> None:
+    (tmp_path / "calls.py").write_text(CALLS)
+    command = [sys.executable, "-m", "mypy", "--cache-dir", str(tmp_path / "cache"), "calls.py"]
+    done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, timeout=600)
+    assert done.returncode == 0, done.stdout
+    for name in ("refdem.api.Judged", "refdem.core.truth.Truth", "refdem.api.Sampled"):
+        assert name in done.stdout

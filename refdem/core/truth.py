@@ -30,6 +30,10 @@ class Ball:
                     f"a ball got {value!r} ({type_name}); expected exact numbers (Fraction or int)"
                 )
 
+    def __float__(self) -> float:
+        """The double nearest to the middle; the ball need not contain it (see `rounded`)."""
+        return float(self.mid)
+
     def rounded(self) -> tuple[float, float]:
         """The nearest double and a radius about it (rounded up) that contains the ball."""
         mid = float(self.mid)

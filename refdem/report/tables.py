@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 from refdem.core.finding import Finding, Record, Sheet
 from refdem.core.outside import cell
 from refdem.report.contents import Contents, contents_of
-from refdem.report.tolerance import TARGETS, Row, rows_of
+from refdem.report.tolerance import TARGETS, Row, digits, rows_of
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -46,11 +46,11 @@ TOLERANCE = (
     "outcome",
     "error",
     "bound_held",
-    *(f"step_{target:.0e}" for target in TARGETS),
+    *(f"step_for_{digits(target):.0f}_digits" for target in TARGETS),
     "order_seen",
     "order_claimed",
     "constant",
-    "seconds_1e-06",
+    "seconds_for_6_digits",
     "farthest_engine",
     "apart_at_least",
     "apart_at_most",

@@ -211,8 +211,8 @@ def test_a_method_that_could_not_be_measured_says_why_and_is_not_kept(tmp_path, 
     monkeypatch.setattr(module, "of_method", crashes)
     (found,) = module.measured(ASKED, store, 1, nothing)
     assert found.sentence == (
-        "Would have noticed: no misreading of any number, because it could not be measured: the worker"
-        " process died."
+        "Would have noticed: no misreading of any number, because it could not be measured: the"
+        " worker process died."
     )
     module.measured(ASKED, store, 1, nothing)
     assert made == [LEAPFROG, LEAPFROG]

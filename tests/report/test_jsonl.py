@@ -109,8 +109,8 @@ def test_a_report_as_tables_has_a_row_for_every_finding_and_level(folder, sheets
     row = tables.tolerance.query(
         "label == 'pendulum' and engine == 'reference' and method == 'verlet' and quantity == 'x'"
     ).iloc[0]
-    assert row["step_1e-03"] == 0.0125
-    assert math.isnan(row["step_1e-06"])
+    assert row["step_for_3_digits"] == 0.0125
+    assert math.isnan(row["step_for_6_digits"])
 
 
 def test_the_public_name_reads_a_report(folder):
