@@ -7,6 +7,7 @@ from pathlib import Path
 
 KINDS = {
     ".py",
+    ".pyi",
     ".c",
     ".h",
     ".toml",

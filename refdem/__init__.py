@@ -3,17 +3,7 @@ truth.
 """
 
 from importlib import import_module
-from typing import TYPE_CHECKING, Any
-
-if TYPE_CHECKING:
-    from refdem.api import judge as judge
-    from refdem.api import run as run
-    from refdem.api import sampled as sampled
-    from refdem.core.discovery import truth_of as truth_of
-    from refdem.errors import RefdemError as RefdemError
-    from refdem.report import records as records
-    from refdem.scene import Body as Body
-    from refdem.scene import Scene as Scene
+from typing import Any
 
 __version__ = "0.2.0"
 

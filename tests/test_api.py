@@ -1,5 +1,6 @@
 """What Python imports: runs of a case, and an integrator of one's own that is judged."""
 
+import re
 import subprocess
 import sys
 from fractions import Fraction
@@ -164,6 +165,12 @@ def test_errors_are_drawn_by_altair_and_into_axes_of_matplotlib() -> None:
     assert errors.get_xdata().tolist() == sorted(set(judged.levels["level"]))
     with pytest.raises(UsageError, match="nothing to draw"):
         refdem.judge(leapfrog, "pendulum", order=2).chart()
+
+
+def test_the_stub_has_every_public_name() -> None:
+    stub = Path(refdem.__file__).with_suffix(".pyi").read_text()
+    told = set(re.findall(r"import \w+ as (\w+)", stub)) | set(re.findall(r"(?m)^(\w+):", stub))
+    assert told == {*refdem._HOMES, "__version__"}
 
 
 CALLS = """
