@@ -13,8 +13,9 @@ def command(
     ] = "python",
     name: Annotated[str, typer.Option(help="Name of the program; default: the folder's.")] = "",
 ) -> None:
-    """Writes a starter for the gate of your own program: a driver with one integrator, the file
-    that it needs, refdem.toml with every claim explained, and a workflow for GitHub.
+    """Writes a starter for the gate of your own program: a driver with springs, rotation and
+    contact with friction, the file that it needs, refdem.toml with every claim explained, and a
+    workflow for GitHub.
 
     Example: refdem init mydem --language c
     """

@@ -9,13 +9,13 @@ from pathlib import Path
 import pytest
 
 README = (Path(__file__).parents[2] / "README.md").read_text()
+SECTION = README.split("## The gate for your own code")[1].split("\n## ")[0]
 
 
 @pytest.fixture
 def refdem(tmp_path):
     """`refdem` in a folder with the program and the refdem.toml that README.md shows."""
-    section = README.split("## The gate for your own code")[1].split("\n## ")[0]
-    blocks = dict(re.findall(r"```(python|toml)\n(.*?)```", section, re.DOTALL))
+    blocks = dict(re.findall(r"```(python|toml)\n(.*?)```", SECTION, re.DOTALL))
     (tmp_path / "springs.py").write_text(blocks["python"])
     (tmp_path / "refdem.toml").write_text(blocks["toml"])
 
@@ -62,3 +62,18 @@ def test_a_clock_that_adds_up_its_steps_is_caught_first_and_told_to_count_them(r
     first, *others = told.stdout.splitlines()
     assert "count `stride` steps from each sample to the next and never compare times" in first
     assert not [line for line in others if not line.startswith(("pass", "unsupported"))]
+
+
+def test_the_driver_with_rotation_and_friction_opens_its_gate_as_the_readme_says(refdem, tmp_path):
+    assert "$ refdem init dem --language cpp\n$ cd dem && make\n" in SECTION
+    assert refdem("init", "dem", "--language", "cpp").returncode == 0
+    subprocess.run(["make"], cwd=tmp_path / "dem", check=True)
+    smoke = refdem("smoke", "dem/refdem.toml")
+    assert smoke.returncode == 0
+    for probe in ("tumble: attitude", "tumble: omega", "knock in space: velocity"):
+        assert re.search(f"(?m)^pass +{probe}", smoke.stdout)
+    (shown,) = re.findall(r"# (\d+) pass, the gate of dem is open", SECTION)
+    bless = ("gate", "dem/refdem.toml", "--bless", "--why", "first baseline")
+    opened = refdem(*bless).stdout.splitlines()
+    assert f"{shown} pass" in opened
+    assert opened[-1] == "the gate of dem is open"
