@@ -25,6 +25,7 @@ extensions = [
     "extension.pages",
     "extension.formulas",
     "extension.reference",
+    "extension.accessible",
 ]
 include_patterns = [
     "docs/*.md",
@@ -46,7 +47,7 @@ include_patterns = [
 exclude_patterns = [".*", "build", "paper", "dist", "refdem", "tests", "validation", "reports/site"]
 source_suffix = {".md": "markdown", ".ipynb": "notebook"}
 
-myst_enable_extensions = ["dollarmath", "deflist"]
+myst_enable_extensions = ["colon_fence", "deflist", "dollarmath"]
 myst_heading_anchors = 4
 # Tables and figures of generated pages begin at the level that suits them.
 suppress_warnings = ["myst.header"]
@@ -61,9 +62,14 @@ html_show_copyright = False
 smartquotes = False
 templates_path = ["templates"]
 html_additional_pages = {"index": "to_docs.html"}
-# What the search shows beside a page would be fetched, which a browser refuses to a page from disk.
+# What the search shows beside a page would be fetched, which a browser refuses to a page from disk:
+# static/excerpts.js takes it from a script instead.
 html_show_search_summary = False
-pygments_style = "tango"
+html_static_path = ["static"]
+html_css_files = ["site.css"]
+# Every word of code has a contrast of at least 4.5 with what is behind it.
+pygments_style = "a11y-high-contrast-light"
+pygments_dark_style = "a11y-high-contrast-dark"
 
 # Single backticks of docstrings are code.
 default_role = "code"

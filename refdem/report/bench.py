@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from refdem.report.chart_data import ChartData
+from refdem.report.chart_data import FLOOR, ChartData
 from refdem.report.figures import equip, picture, specification
 from refdem.report.files import written
 from refdem.report.html import environment
@@ -31,7 +31,7 @@ def chart(section: Section) -> ChartData | None:
     positive = [error for *_, error in section.points if error > 0] or [1e-16]
     # The power of ten below the smallest positive error: errors of 0 are drawn there.
     digits = len(str(int(1 / min(positive))))
-    floor = 10.0 ** (digits * -1)
+    floor = max(10.0 ** (digits * -1), FLOOR)
     seconds = [point[3] for point in section.points]
     out = io.StringIO()
     writer = csv.writer(out, lineterminator="\n")

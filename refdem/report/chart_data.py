@@ -2,12 +2,13 @@
 
 import csv
 import io
+import itertools
 import math
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
-from refdem.core.finding import WORST_FIRST, Finding, Record
+from refdem.core.finding import WORST_FIRST, Finding, Level, Record
 from refdem.report.contents import Contents
 from refdem.report.numbers import rounded
 from refdem.report.palette import engine_colours, styles
@@ -17,11 +18,25 @@ MOST_POINTS = 64
 """Points that a curve keeps in a chart; the largest value of each stretch is the one that is kept.
 """
 
+FLOOR = 1e-17
+"""The smallest relative error that a chart tells from zero: below the round-off of binary64."""
+DECADES = 17
+"""Decades that an axis of values with a unit has at most, for the same reason."""
+SAME_LINE = 0.01
+"""Two curves lie on each other if they are no farther apart than this part of the axis, which is
+three pixels, at every common point.
+"""
+ROOM_FOR_DEFAULT = 10.0
+"""A default step is marked if it is at most so many times as far out as the steps that ran."""
+
 
 @dataclass(frozen=True)
 class ChartData:
     """Input of one chart: its kind, rows as CSV, choices of its selector, styles, and what else its
     definition reads.
+
+    `defaults` are engines, each with its colour and the step [s] that it takes where its user names
+    none.
     """
 
     kind: str
@@ -30,6 +45,7 @@ class ChartData:
     styles: tuple[tuple[str, str, str], ...] = ()
     extents: dict[str, tuple[float, float]] = field(default_factory=dict)
     labels: tuple[str, ...] = ()
+    defaults: tuple[tuple[str, str, float], ...] = ()
 
 
 def errors(contents: Contents, rows: Sequence[Row]) -> ChartData | None:
@@ -47,12 +63,46 @@ def errors(contents: Contents, rows: Sequence[Row]) -> ChartData | None:
             }
             points.append(point)
     records = [row.record for row in rows]
-    chart = _chart("errors", contents, records, points, ("error", "bound"), _quantities(rows))
+    chart = _chart(
+        "errors",
+        contents,
+        records,
+        points,
+        ("error", "bound"),
+        _quantities(rows),
+        curve=("quantity", "control"),
+        x="level",
+    )
+    if chart is None:
+        return None
     for control in ("step", "tolerance", "exact"):
         chosen = [float(item["level"]) for item in points if item["control"] == control]
-        if chart and chosen:
+        if chosen:
             chart.extents[control] = _ends(chosen)
-    return chart
+    if "step" not in chart.extents:
+        return chart
+    defaults = _defaults(contents, rows, chart.extents["step"])
+    steps = [step for _, _, step in defaults]
+    chart.extents["step"] = _ends([*chart.extents["step"], *steps])
+    return replace(chart, defaults=defaults)
+
+
+def _defaults(
+    contents: Contents, rows: Sequence[Row], ends: tuple[float, float]
+) -> tuple[tuple[str, str, float], ...]:
+    """(engine, colour, step [s]) of the engines among the rows that have a default step which is
+    not far out of the steps that ran.
+    """
+    shown = {row.record.engine for row in rows if row.control == "step"}
+    colours = engine_colours(contents)
+    least = ends[0] / ROOM_FOR_DEFAULT
+    most = ends[1] * ROOM_FOR_DEFAULT
+    found = []
+    for sheet in contents.engines:
+        step = sheet.default_step
+        if sheet.engine in shown and step is not None and least <= step <= most:
+            found.append((sheet.engine, colours[sheet.engine], step))
+    return tuple(found)
 
 
 def _ends(values: list[float]) -> tuple[float, float]:
@@ -67,12 +117,14 @@ def _ends(values: list[float]) -> tuple[float, float]:
 
 
 def costs(contents: Contents, rows: Sequence[Row]) -> ChartData | None:
-    """Error against seconds of one instance; only for pages that are not committed."""
+    """Error against seconds of one instance; only for pages that are not committed.
+
+    A campaign measures each level once. A level that took longer than a finer one of its method was
+    slowed down by something else and is left out, as the same method works less at it.
+    """
     points: list[dict[str, Any]] = []
     for row in rows:
-        for level in row.levels:
-            if level.seconds <= 0:
-                continue
+        for level in undisturbed(row.levels):
             point = {
                 "series": row.series,
                 "quantity": row.quantity,
@@ -81,10 +133,30 @@ def costs(contents: Contents, rows: Sequence[Row]) -> ChartData | None:
             }
             points.append(point)
     records = [row.record for row in rows]
-    chart = _chart("costs", contents, records, points, ("error",), _quantities(rows))
+    chart = _chart(
+        "costs",
+        contents,
+        records,
+        points,
+        ("error",),
+        _quantities(rows),
+        curve=("quantity",),
+        x="seconds",
+    )
     if chart:
         chart.extents["seconds"] = _ends([float(item["seconds"]) for item in points])
     return chart
+
+
+def undisturbed(levels: Sequence[Level]) -> list[Level]:
+    """The levels, from coarse to fine, that took some time and no longer than any finer one."""
+    kept: list[Level] = []
+    shortest = math.inf
+    for level in reversed(levels):
+        if 0 < level.seconds <= shortest:
+            shortest = level.seconds
+            kept.append(level)
+    return kept[::-1]
 
 
 def _quantities(rows: Sequence[Row]) -> list[str]:
@@ -114,6 +186,10 @@ def overview(contents: Contents, rows: Sequence[Row]) -> ChartData | None:
             points.append(point)
     if not points:
         return None
+    ends = _decades(points, ("error",))
+    for item in points:
+        item["shown_error"] = max(item["error"], ends[0])
+    _count_curves_above(points, ("case",), "halvings", "shown_error", ends)
     colours = engine_colours(contents)
     engines = sorted({item["engine"] for item in points}, key=list(colours).index)
     cases = tuple(sorted({item["case"] for item in points}))
@@ -122,7 +198,7 @@ def overview(contents: Contents, rows: Sequence[Row]) -> ChartData | None:
         "overview",
         _csv(points),
         styles=marks,
-        extents={"error": _decades(points, ("error",))},
+        extents={"error": ends},
         labels=cases,
     )
 
@@ -142,7 +218,16 @@ def drifts(contents: Contents, label: str) -> ChartData | None:
             rank = WORST_FIRST.index(finding.outcome)
             order.append((rank, finding.check != "energy", _choice(finding)))
     choices = list(dict.fromkeys(choice for *_, choice in sorted(order)))
-    return _chart("drifts", contents, records, rows, ("value", "bound"), choices)
+    return _chart(
+        "drifts",
+        contents,
+        records,
+        rows,
+        ("value", "bound"),
+        choices,
+        curve=("what",),
+        x="t",
+    )
 
 
 def _points(record: Record, finding: Finding) -> Iterable[dict[str, Any]]:
@@ -174,22 +259,69 @@ def _chart(
     rows: list[dict[str, Any]],
     names: tuple[str, ...],
     choices: Sequence[str],
+    *,
+    curve: tuple[str, ...],
+    x: str,
 ) -> ChartData | None:
     """The chart of these rows, None if there are none.
 
-    Zeros go to the floor, as a log axis has no place for them.
+    Zeros go to the floor, as a log axis has no place for them. `names` are the columns that are
+    drawn upwards, the first of them as curves against `x`; `curve` are those that, with the series,
+    tell one curve from another.
     """
     if not rows:
         return None
-    ends = _decades(rows, names)
+    if kind == "drifts":
+        ends = _decades(rows, names, has_unit=True)
+    else:
+        ends = _decades(rows, names)
     for item in rows:
         item |= {f"shown_{name}": max(item[name], ends[0]) for name in names}
+    _count_curves_above(rows, curve, x, f"shown_{names[0]}", ends)
     marks = styles(((record.engine, record.method) for record in shown), engine_colours(contents))
     return ChartData(kind, _csv(rows), tuple(choices), tuple(marks), {"error": ends})
 
 
-def _decades(rows: list[dict[str, Any]], names: tuple[str, ...]) -> tuple[float, float]:
-    """Powers of ten below and above all positive values; zeros are drawn at the lower one."""
+def _count_curves_above(
+    rows: list[dict[str, Any]],
+    curve: tuple[str, ...],
+    x: str,
+    y: str,
+    ends: tuple[float, float],
+) -> None:
+    """Adds to each row, as `under`, how many later curves lie on its own.
+
+    Charts draw a curve the wider, the more lie on it, so that every one of them is seen.
+    """
+    apart = SAME_LINE * math.log(ends[1] / ends[0])
+    pictures: dict[tuple[Any, ...], dict[str, dict[float, float]]] = {}
+    for item in rows:
+        picture = pictures.setdefault(tuple(item[name] for name in curve), {})
+        picture.setdefault(item["series"], {})[item[x]] = math.log(item[y])
+    under: dict[tuple[tuple[Any, ...], str], int] = {}
+    for key, curves in pictures.items():
+        for one, other in itertools.combinations(curves, 2):
+            if _lies_on(curves[one], curves[other], apart):
+                under[(key, one)] = under.get((key, one), 0) + 1
+    for item in rows:
+        key = tuple(item[name] for name in curve)
+        item["under"] = under.get((key, item["series"]), 0)
+
+
+def _lies_on(one: dict[float, float], other: dict[float, float], apart: float) -> bool:
+    """True if two curves, as heights by place, have common places and there nearly one height."""
+    common = one.keys() & other.keys()
+    return bool(common) and all(abs(one[x] - other[x]) <= apart for x in common)
+
+
+def _decades(
+    rows: list[dict[str, Any]], names: tuple[str, ...], *, has_unit: bool = False
+) -> tuple[float, float]:
+    """Powers of ten below and above all positive values; zeros are drawn at the lower one.
+
+    It is at least the floor of relative errors, or for values with a unit as many decades below
+    the upper one, as what lies deeper is round-off.
+    """
     values: list[float] = []
     for item in rows:
         values += [item[name] for name in names if item[name] > 0]
@@ -197,7 +329,12 @@ def _decades(rows: list[dict[str, Any]], names: tuple[str, ...]) -> tuple[float,
         values = [1e-16]
     lowest = math.floor(math.log10(min(values))) - 1
     highest = math.ceil(math.log10(max(values)))
-    return 10.0**lowest, 10.0**highest
+    if has_unit:
+        deepest = highest - DECADES
+    else:
+        deepest = round(math.log10(FLOOR))
+    lowest = max(lowest, deepest)
+    return 10.0**lowest, 10.0 ** max(highest, lowest + 1)
 
 
 def _csv(rows: list[dict[str, Any]]) -> str:

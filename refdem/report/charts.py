@@ -1,6 +1,7 @@
 """The charts, each defined once in Altair: interactive in pages and drawn as SVG for Markdown."""
 
 import math
+from collections.abc import Iterator
 from typing import Any
 
 import altair as alt
@@ -14,6 +15,14 @@ HEIGHT = 300
 """Pixels of a chart."""
 SIDE = 100
 """Pixels of a chart that a further kind of curve takes."""
+SMALL_WIDTH = 208
+"""Pixels of a picture of the overview: five beside each other fill a page."""
+COLUMNS = 5
+"""Pictures of the overview beside each other, where the page is wide enough."""
+FADED = 0.08
+"""Opacity of a curve while its reader has chosen others in the legend."""
+CURVES = "curves"
+"""Begins the names of the marks whose legend is clicked."""
 PICKED = {"errors": "quantity", "costs": "quantity", "drifts": "check"}
 """What is chosen in a chart, by its kind."""
 
@@ -36,8 +45,13 @@ def specification(data: ChartData) -> dict[str, Any]:
             spec = _beside(chart)
         else:
             spec = chart.to_dict(validate=False)
-        if data.kind in PICKED:  # Altair would copy the whole chart several times over for it
-            spec["params"] = [_picked(data, PICKED[data.kind])]
+        if data.kind == "errors" and data.defaults:
+            # The panel of steps is the first.
+            spec["hconcat"][0]["layer"][:0] = _default_steps(data)
+        # Altair would copy the whole chart several times over for a parameter.
+        spec["params"] = [_chosen(data, spec)]
+        if data.kind in PICKED:
+            spec["params"].append(_picked(data, PICKED[data.kind]))
     return spec
 
 
@@ -123,6 +137,54 @@ def _picked(data: ChartData, name: str) -> dict[str, Any]:
     return {"name": "pick", "value": data.choices[0], "bind": bind}
 
 
+def _chosen(data: ChartData, spec: dict[str, Any]) -> dict[str, Any]:
+    """What clicks in the legend choose, as a parameter of Vega-Lite: each adds a name or takes it
+    back, and without a name everything is shown.
+    """
+    if data.kind == "overview":
+        legend = "engine"
+    else:
+        legend = "series"
+    select = {"type": "point", "fields": [legend], "toggle": "true"}
+    return {"name": "chosen", "select": select, "bind": "legend", "views": list(_clicked(spec))}
+
+
+def _clicked(spec: dict[str, Any]) -> Iterator[str]:
+    """The names of all marks of a specification whose legend is clicked, as Altair made them."""
+    if spec.get("name", "").startswith(CURVES):
+        yield spec["name"]
+    parts = [*spec.get("hconcat", ()), *spec.get("concat", ()), *spec.get("layer", ())]
+    if "spec" in spec:
+        parts.append(spec["spec"])
+    for part in parts:
+        yield from _clicked(part)
+
+
+def _wider(usual: float, each: float) -> dict[str, str]:
+    """A width, or an area of a point: the usual one, and more for each curve that lies on this."""
+    return {"expr": f"{usual} + {each} * (datum.under || 0)"}
+
+
+def _opacity(shown: float) -> dict[str, Any]:
+    """The opacity of a mark, half where another curve lies on it, and little where its reader has
+    chosen others.
+    """
+    halved = {"expr": f"datum.under > 0 ? {shown / 2} : {shown}"}
+    return {"condition": {"param": "chosen", "value": halved}, "value": FADED}
+
+
+def _points(base: Any, size: float) -> Any:
+    """Points that are larger where others lie on them."""
+    points = base.mark_point(filled=True)
+    return points.encode(size={"value": _wider(size, 2 * size)}, opacity=_opacity(1.0))
+
+
+def _lines(base: Any, name: str, **more: Any) -> Any:
+    """Lines that are wider where others lie on them; their legend is clicked."""
+    lines = base.mark_line(**more).properties(name=f"{CURVES}-{name}")
+    return lines.encode(strokeWidth={"value": _wider(1.5, 4.5)}, opacity=_opacity(0.8))
+
+
 def _curves(
     base: Any,
     data: ChartData,
@@ -130,22 +192,44 @@ def _curves(
     y: alt.Y,
     tips: list[alt.Tooltip],
     *,
+    name: str,
     bound: str = "",
     size: int = 50,
     **more: Any,
 ) -> Any:
     """Lines with points, and dashed lines for bounds; `more` are properties of the whole."""
     colour, shape = _style(data)
-    lines = base.mark_line(opacity=0.8, strokeWidth=1.5).encode(x=x, y=y, color=colour)
-    points = base.mark_point(filled=True, size=size, opacity=1).encode(
-        x=x, y=y, color=colour, shape=shape, tooltip=tips
-    )
+    lines = _lines(base, name).encode(x=x, y=y, color=colour)
+    points = _points(base, size).encode(x=x, y=y, color=colour, shape=shape, tooltip=tips)
     if not bound:
         return alt.layer(lines, points, **more)
-    bounds = base.mark_line(strokeDash=[5, 4], opacity=0.85, strokeWidth=1.2).encode(
-        x=x, y=alt.Y(f"{bound}:Q"), color=colour
+    bounds = base.mark_line(strokeDash=[5, 4], strokeWidth=1.2).encode(
+        x=x, y=alt.Y(f"{bound}:Q"), color=colour, opacity=_opacity(0.85)
     )
     return alt.layer(bounds, lines, points, **more)
+
+
+def _default_steps(data: ChartData) -> list[dict[str, Any]]:
+    """A dotted line at the default step of each engine, and its name at the foot, as layers of
+    Vega-Lite with rows of their own.
+    """
+    x = alt.X("at:Q")
+    tips = [alt.Tooltip("name:N"), alt.Tooltip("at:Q", title="step [s]")]
+    layers: list[dict[str, Any]] = []
+    for engine, colour, step in data.defaults:
+        row = {"name": f"{engine}'s default", "at": step}
+        base = alt.Chart(alt.InlineData(values=[row]))
+        rule = base.mark_rule(strokeDash=[1, 3], strokeWidth=2, color=colour)
+        words = base.mark_text(angle=270, align="left", dx=5, dy=-6, fontSize=10)
+        marked = (
+            rule.encode(x=x, tooltip=tips),
+            words.encode(x=x, y=alt.value(HEIGHT), text="name:N"),
+        )
+        for layer in marked:
+            drawn = layer.to_dict(validate=False)
+            parts = {name: drawn[name] for name in ("mark", "encoding")}
+            layers.append({"data": {"values": [row]}, **parts})
+    return layers
 
 
 def _errors(data: ChartData) -> list[Any]:
@@ -173,7 +257,17 @@ def _errors(data: ChartData) -> list[Any]:
             width = WIDTH - SIDE * (len(kinds) - 1)
         else:
             width = 3 * SIDE // 2
-        curves = _curves(chosen, data, x, y, tips, bound="shown_bound", width=width, height=HEIGHT)
+        curves = _curves(
+            chosen,
+            data,
+            x,
+            y,
+            tips,
+            name=kind,
+            bound="shown_bound",
+            width=width,
+            height=HEIGHT,
+        )
         panels.append(curves)
     return panels
 
@@ -182,12 +276,11 @@ def _exact(chosen: Any, data: ChartData, y: alt.Y, tips: list[alt.Tooltip]) -> A
     """Methods without a step, side by side; a bar for the bound."""
     colour, shape = _style(data)
     x = alt.X("series:N", title="exact", axis=alt.Axis(labels=False, ticks=False))
-    bars = chosen.mark_tick(thickness=1.5, opacity=0.7).encode(
-        x=x, y=alt.Y("shown_bound:Q"), color=colour
+    bars = chosen.mark_tick(thickness=1.5).encode(
+        x=x, y=alt.Y("shown_bound:Q"), color=colour, opacity=_opacity(0.7)
     )
-    points = chosen.mark_point(filled=True, size=60, opacity=1).encode(
-        x=x, y=y, color=colour, shape=shape, tooltip=tips
-    )
+    points = chosen.mark_point(filled=True, size=60).properties(name=f"{CURVES}-exact")
+    points = points.encode(x=x, y=y, color=colour, shape=shape, tooltip=tips, opacity=_opacity(1.0))
     return alt.layer(bars, points, width=alt.Step(28), height=HEIGHT)
 
 
@@ -203,6 +296,7 @@ def _costs(data: ChartData) -> Any:
         x,
         y,
         _tips("series", "quantity", "seconds", "error"),
+        name=data.kind,
         width=WIDTH,
         height=HEIGHT,
     )
@@ -215,31 +309,43 @@ def _drifts(data: ChartData) -> Any:
     x = alt.X("t:Q", title="t [s]; dashed: bound", scale=alt.Scale(nice=False))
     y = _log("shown_value", "value", data)
     tips = _tips("series", "what", "t", "value", "bound")
-    return _curves(base, data, x, y, tips, bound="shown_bound", size=16, width=WIDTH, height=HEIGHT)
+    return _curves(
+        base,
+        data,
+        x,
+        y,
+        tips,
+        name=data.kind,
+        bound="shown_bound",
+        size=16,
+        width=WIDTH,
+        height=HEIGHT,
+    )
 
 
 def _overview(data: ChartData) -> Any:
     """A small picture a case, on common axes."""
     names, colours, _ = (list(column) for column in zip(*data.styles, strict=True))
-    base = _chart(data, halvings="number", error="number")
+    base = _chart(data, halvings="number", shown_error="number")
     x = alt.X("halvings:Q", title="halvings of the step", axis=alt.Axis(tickMinStep=1, tickCount=5))
     legend = alt.Legend(orient="top", symbolOpacity=1)
     colour = alt.Color(
         "engine:N", title=None, scale=alt.Scale(domain=names, range=colours), legend=legend
     )
-    lines = base.mark_line(point=alt.OverlayMarkDef(filled=True, size=22), strokeWidth=1.5)
     tips = _tips("case", "series", "error")
-    drawn = lines.encode(
-        x=x,
-        y=_log("error", "error / scale", data, 4),
-        color=colour,
+    places = {"x": x, "y": _log("shown_error", "error / scale", data, 4), "color": colour}
+    lines = base.mark_line().properties(name=CURVES)
+    lines = lines.encode(
+        **places,
         detail="series:N",
-        tooltip=tips,
+        strokeWidth={"value": _wider(1.5, 3.0)},
+        opacity=_opacity(0.9),
     )
-    header = alt.Header(title=None, labelFontWeight="bold", labelLimit=200)
-    return drawn.properties(width=190, height=110).facet(
-        facet=alt.Facet("case:N", header=header), columns=4, spacing=14
-    )
+    points = _points(base, 22).encode(**places, tooltip=tips)
+    header = alt.Header(title=None, labelFontWeight="bold", labelLimit=SMALL_WIDTH)
+    layers = alt.layer(lines, points).properties(width=SMALL_WIDTH, height=110)
+    facet = alt.Facet("case:N", header=header)
+    return layers.facet(facet=facet, columns=COLUMNS, spacing=14)
 
 
 def _ladders(data: ChartData) -> Any:
@@ -257,7 +363,8 @@ def _ladders(data: ChartData) -> Any:
         x = alt.X("rung:N", title=along, scale=alt.Scale(domain=rungs), axis=axis)
         y = _log("shown", "value / bound", data, 5)
         ran = base.transform_filter("datum.verdict == 'pass' || datum.verdict == 'fail'")
-        curves = _curves(ran, data, x, y, _tips("series", "rung", "ratio", "verdict"), size=36)
+        tips = _tips("series", "rung", "ratio", "verdict")
+        curves = _curves(ran, data, x, y, tips, name=str(number), size=36)
         colour, _ = _style(data)
         marks = base.transform_filter(
             "datum.verdict == 'error' || datum.verdict == 'undecided'"

@@ -28,6 +28,7 @@ PAPER = {
     "background": "white",
     "font": "DejaVu Sans, Arial, sans-serif",
     "view": {"stroke": "#d0d4d9"},
+    "text": {"color": "#30363d"},
     "axis": {
         "gridColor": "#eceef1",
         "labelColor": "#30363d",

@@ -58,10 +58,10 @@ def pages(
     has links to a gallery and to the site of `make docs` if there are such.
     """
     templates = environment()
-    shared = shared_by_all(contents)
+    shared = shared_by_all(contents) | {"has_site": has_site}
     yield from _case_pages(contents, rows, specs, templates, shared)
     yield "engines.html", templates.get_template("engines.html").render(shared, root="")
-    beside = {"has_gallery": has_gallery, "has_site": has_site}
+    beside = {"has_gallery": has_gallery}
     chart = specs[""].get("tolerance")
     yield from index.files(contents, rows, chart, templates, shared | beside)
 

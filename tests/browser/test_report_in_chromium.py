@@ -149,6 +149,31 @@ def test_a_chart_tells_its_numbers_when_pointed_at(browser, folder):
         assert tip.locator("script, img").count() == 0
 
 
+def test_a_click_in_the_legend_leaves_one_curve_and_another_shows_all(browser, folder):
+    faded = """
+    () => [...document.querySelector('.plot').querySelectorAll('.role-mark.mark-symbol path')]
+      .filter(mark => Number(mark.getAttribute('opacity')) < 0.2).length
+    """
+    with opened(browser, folder / "cases/pendulum.html") as page:
+        assert page.evaluate(faded) == 0
+        name = page.locator(".plot").first.locator(".role-legend text", has_text="alpha rk4")
+        name.click()
+        page.wait_for_function(f"({faded})() > 5")
+        name.click()
+        page.wait_for_function(f"({faded})() === 0")
+
+
+def test_a_table_that_goes_on_to_the_right_says_so_until_it_is_scrolled_there(browser, folder):
+    with opened(browser, folder / "index.html", width=390) as page:
+        frame = page.locator(".scroll").filter(has=page.locator("#digits-rows"))
+        page.wait_for_function("document.querySelector('#digits-rows').closest('.more')")
+        assert "scroll it sideways" in frame.evaluate("x => x.previousElementSibling.innerText")
+        frame.evaluate("x => x.scrollTo(x.scrollWidth, 0)")
+        page.wait_for_function("!document.querySelector('#digits-rows').closest('.more')")
+    with opened(browser, folder / "engines.html", width=1280) as page:
+        assert page.locator(".more, .sideways").count() == 0
+
+
 @pytest.mark.parametrize("scheme", SCHEMES)
 def test_text_stands_out_from_what_is_behind_it(browser, folder, scheme):
     for path in pages(folder):

@@ -5,6 +5,9 @@
   const assets = document.currentScript.src.replace(/[^/]*$/, "");
   // How far below the screen [px] a chart or a part is when it is made ready.
   const AHEAD = "800px";
+  // Widths [px]: where small pictures are fitted, and what their axes, gaps and the menu take.
+  const NARROW = 700;
+  const BESIDE = 110;
   const scripts = new Map();
 
   // The promise that a script of assets/ has run; each runs once.
@@ -28,6 +31,7 @@
       background: "transparent",
       font: "system-ui, sans-serif",
       title: { color: ink },
+      text: { color: ink },
       header: { labelColor: ink, titleColor: ink },
       view: { stroke: line },
       axis: { gridColor: line, domainColor: line, tickColor: line, labelColor: ink, titleColor: ink, titleFontWeight: "normal" },
@@ -35,8 +39,17 @@
     };
   }
 
+  // On a narrow screen two small pictures stand beside each other, and are as wide as there is room.
+  function fitted(spec, room) {
+    if (!spec.facet || room >= NARROW) return spec;
+    spec.columns = 2;
+    spec.spec.width = Math.max(100, Math.floor((room - BESIDE) / 2));
+    spec.facet.header.labelLimit = spec.spec.width;
+    return spec;
+  }
+
   function embed(place) {
-    const spec = JSON.parse(document.getElementById(place.dataset.spec).textContent);
+    const spec = fitted(JSON.parse(document.getElementById(place.dataset.spec).textContent), place.closest(".frame").clientWidth);
     const options = { mode: "vega-lite", renderer: "svg", config: configuration(), actions: { export: true, source: false, compiled: false, editor: false } };
     return window.vegaEmbed(place, spec, options);
   }
@@ -76,7 +89,30 @@
     }
   }, { rootMargin: AHEAD + " 0px" });
 
+  // A table that goes on to the right of its frame fades there, and says how to see the rest.
+  const wide = new ResizeObserver(function (entries) { for (const entry of entries) hint(entry.target.closest(".scroll")); });
+
+  function hint(frame) {
+    const left = frame.scrollWidth - frame.clientWidth - frame.scrollLeft;
+    frame.classList.toggle("more", left > 2);
+    const told = frame.previousElementSibling;
+    if (frame.scrollWidth - frame.clientWidth <= 2) {
+      if (told && told.matches(".sideways")) told.remove();
+      return;
+    }
+    if (told && told.matches(".sideways")) return;
+    const words = document.createElement("p");
+    words.className = "sideways quiet";
+    words.textContent = "This table goes on to the right: scroll it sideways →";
+    frame.before(words);
+  }
+
   function watch(root) {
+    root.querySelectorAll(".scroll").forEach(function (frame) {
+      wide.observe(frame);
+      if (frame.firstElementChild) wide.observe(frame.firstElementChild);
+      frame.addEventListener("scroll", function () { hint(frame); }, { passive: true });
+    });
     root.querySelectorAll(".plot[data-spec], .part[data-part]").forEach(function (place) { coming.observe(place); });
     root.querySelectorAll("table[data-sorts]").forEach(sortable);
   }
