@@ -35,8 +35,8 @@ class Lorenz(IterationCase):
         " origin; beyond it there are two more equilibria, where x = y = +-sqrt(beta (rho - 1)) and"
         " z = rho - 1; from rho = sigma (sigma + beta + 3)/(sigma - beta - 1) on, 24.74 at Lorenz'"
         " numbers, all three are unstable. At rho = 28 neighbours part by a factor e in about 1.1"
-        " units of time: whoever computes in binary64 has lost the motion after some 35 units, with"
-        " whatever method, and no run is scored after that."
+        " units of time: whoever computes in binary64 has lost the motion after 35 to 55 units, by"
+        " the start and with whatever method, and no run is scored beyond its horizon."
     )
     latex = (
         r"\dot x=\sigma(y-x),\quad\dot y=x(\rho-z)-y,\quad\dot z=xy-\beta z;\qquad"
