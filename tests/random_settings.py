@@ -106,7 +106,7 @@ def shortened(case: str, given: dict[str, str]) -> Instance:
 
 def early(instance: Instance) -> tuple[Fraction, ...]:
     """Two exact times soon after the start."""
-    if instance.case.id in ("logistic", "billiards"):
+    if instance.case.id in ("logistic", "lorenz", "billiards"):
         return ITERATES
     if "duration" not in instance.p:
         return ()

@@ -24,6 +24,7 @@ OF_A_MATERIAL = ("kg/m^3", "N/m^2")
 """What a member of the impact benchmarks takes from the table of materials."""
 WITHOUT_UNITS = {
     "logistic": "its numbers have no unit",
+    "lorenz": "its numbers have no unit",
     "van-der-pol": "its equation compares the place with 1 m, and its spring has 1/s^2",
 }
 """Cases that have nothing to be changed."""

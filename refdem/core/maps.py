@@ -43,6 +43,23 @@ class LogisticFlow(Logistic, frozen=True, kw_only=True, tag="logistic_flow"):
     """The state of x' = eta x (1 - x) one unit of time later."""
 
 
+class LorenzFlow(Map, frozen=True, kw_only=True, tag="lorenz_flow"):
+    """The state (x, y, z) of x' = sigma (y - x), y' = x (rho - z) - y, z' = x y - beta z after a
+    time `interval`.
+    """
+
+    dimension: ClassVar[int] = 3
+    sigma: float
+    rho: float
+    beta: float
+    interval: float
+
+    def __post_init__(self) -> None:
+        """Raises UsageError for a time that is not finite or not > 0."""
+        if not 0 < self.interval < np.inf:
+            raise UsageError(f"interval is {self.interval}; expected a finite time > 0")
+
+
 class Billiard(Map, frozen=True, kw_only=True):
     """A point that flies straight at constant speed and is reflected by the wall: (x, y, direction
     x, y) from bounce to bounce.
@@ -85,5 +102,5 @@ class StadiumBilliard(Billiard, frozen=True, kw_only=True, tag="billiard_stadium
             )
 
 
-AnyMap = Logistic | LogisticFlow | RectangleBilliard | StadiumBilliard
+AnyMap = Logistic | LogisticFlow | LorenzFlow | RectangleBilliard | StadiumBilliard
 """Every map there is; a new one is added here."""

@@ -463,6 +463,15 @@ GROWTH: Rows = (
     ("n", "12"),
 )
 """The logistic equation on its way up."""
+LORENZ: Rows = (
+    ("sigma", between(8, 12, 16)),
+    ("rho", between(24, 32, 16)),
+    ("_half", between(1280, 1535, 1)),
+    ("beta", computed(lambda drawn: f"{2 * drawn['_half'] + 1}/1024")),
+    ("start", listed(signed(2, 6, 16), signed(2, 6, 16), between(12, 20, 16))),
+    ("n", "24"),
+)
+"""Lorenz' equations near his own numbers, begun off the z axis."""
 ENTERED: Rows = (
     ("_x", between(-31 / 64, 31 / 64, 64)),
     ("_odd", between(1, 62, 1)),
@@ -567,6 +576,7 @@ SETTINGS: Mapping[str, Setting] = {
     "machine": Setting("pendulum-wheel-mass", MACHINE, HELD),
     "chaotic-map": Setting("logistic", CHAOTIC_MAP, ITERATED),
     "growth": Setting("logistic", GROWTH, ITERATED),
+    "lorenz": Setting("lorenz", LORENZ, ITERATED),
     "stadium": Setting("billiards", STADIUM, ITERATED),
     "rectangle": Setting("billiards", RECTANGLE, ITERATED),
     "head": Setting("phase-flow", HEAD, ("carried",)),

@@ -50,6 +50,7 @@ CATALOGUE = {
     "asymmetric-field": ("mass k1 x1 x2 x0 v0", ["x", "v"]),
     "wedge-collision": ("mass k1 k2 closing_speed", ["overlap", "v"]),
     "logistic": ("eta x0 n form", ["x_n"]),
+    "lorenz": ("sigma rho beta start interval n", ["x", "y", "z"]),
     "billiards": (
         "geometry start direction n size",
         [f"{kind}.{a}" for kind in ("position", "direction") for a in "xy"],
@@ -249,6 +250,10 @@ REFUSED = [
     ("logistic", {"eta": "5"}, "eta"),
     ("logistic", {"x0": "-1/8"}, "x0"),
     ("logistic", {"duration": "3"}, "duration"),
+    ("lorenz", {"beta": "0"}, "beta"),
+    ("lorenz", {"start": "0,0,0"}, "start"),
+    ("lorenz", {"beta": "3", "rho": "4", "start": "-3,-3,3"}, "start"),
+    ("lorenz", {"interval": "2"}, "interval"),
     ("billiards", {"direction": "0,0"}, "direction"),
     ("billiards", {"size": "1,2"}, "size"),
     ("billiards", {"start": "2,0"}, "start"),

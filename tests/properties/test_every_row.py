@@ -38,6 +38,7 @@ CHEAP: Mapping[str, Mapping[str, str]] = {
     "granular-gas": {"n": "64", "duration": "1/2", "samples": "4"},
     "billiards": {"n": "100"},
     "logistic": {"n": "100"},
+    "lorenz": {"n": "32"},
     "phase-flow": {"points": "1024"},
     "two-spheres": {"spins": "0,0,1/4,0,0,-1/8"},
 }

@@ -149,7 +149,14 @@ def test_the_selection_has_the_chaotic_cases_and_the_regular_ones():
     chaotic = {i.case.id for i, only in entries if i.case.is_chaotic(i.p)}
     regular = {i.case.id for i, only in entries if i.case.is_chaotic(i.p) is False}
     assert {only for _, only in entries} == {("lyapunov",)}
-    assert chaotic >= {"logistic", "billiards", "double-pendulum", "driven-duffing", "stick-slip"}
+    assert chaotic >= {
+        "logistic",
+        "lorenz",
+        "billiards",
+        "double-pendulum",
+        "driven-duffing",
+        "stick-slip",
+    }
     assert regular >= {
         "free-rigid-body",
         "intermediate-axis",

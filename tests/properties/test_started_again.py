@@ -44,6 +44,7 @@ STARTS = {
     "free-rigid-body": BODY,
     "dissipating-body": {"omega_body": OMEGA},
     "logistic": {"x0": "x_n"},
+    "lorenz": {"start": "x y z"},
 }
 """Parameters of a start, and the quantities that they are."""
 UNDRIVEN = {

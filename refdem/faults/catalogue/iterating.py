@@ -1,5 +1,5 @@
-"""Maps: a wrong branch, wall or reflection, state that is rounded between iterates; and energy fed
-into a regular motion.
+"""Maps: a wrong branch, wall, rate or reflection, state that is rounded between iterates; and
+energy fed into a regular motion.
 """
 
 from collections.abc import Callable
@@ -8,8 +8,10 @@ from functools import partial
 from math import inf
 from typing import Any
 
+import msgspec
 import numpy as np
 
+from refdem.core.maps import LorenzFlow
 from refdem.core.problem import Request
 from refdem.core.trajectory import Trajectory
 from refdem.faults import vectors as vec
@@ -67,6 +69,31 @@ def _pushed(v: Any, force: Any, mass: Any, h: Any) -> Any:
     return v, vec.plus(force, vec.times(0.1 * mass, v)), mass, h
 
 
+def _growing_y(
+    state: tuple[float, ...], xy: float, xz: float, flow: LorenzFlow
+) -> tuple[float, ...]:
+    """Lorenz' equations with y' = x (rho - z) + y."""
+    x_rate, y_rate, z_rate = SOUND_MAPS.lorenz_rates(state, xy, xz, flow)
+    return x_rate, y_rate + 2.0 * state[1], z_rate
+
+
+def _double_product(
+    state: tuple[float, ...], xy: float, xz: float, flow: LorenzFlow
+) -> tuple[float, ...]:
+    """Lorenz' equations with z' = 2 x y - beta z."""
+    rates: tuple[float, ...] = SOUND_MAPS.lorenz_rates(state, 2.0 * xy, xz, flow)
+    return rates
+
+
+def _rounded_beta(
+    state: tuple[float, ...], xy: float, xz: float, flow: LorenzFlow
+) -> tuple[float, ...]:
+    """Lorenz' equations with beta in four decimals."""
+    coarse = msgspec.structs.replace(flow, beta=round(flow.beta, 4))
+    rates: tuple[float, ...] = SOUND_MAPS.lorenz_rates(state, xy, xz, coarse)
+    return rates
+
+
 FAULTS = (
     mapped(
         name="map-slope",
@@ -88,6 +115,27 @@ FAULTS = (
         on=("chaotic-map", "growth"),
         sees=("error", "x_n"),
         after=_late,
+    ),
+    mapped(
+        name="lorenz-sign",
+        sentence="The rate of y has +y in place of -y.",
+        on=("lorenz",),
+        sees=("error", "y"),
+        inside=_with(lorenz_rates=_growing_y),
+    ),
+    mapped(
+        name="lorenz-product-twice",
+        sentence="The rate of z has the product x y twice.",
+        on=("lorenz",),
+        sees=("error", "z"),
+        inside=_with(lorenz_rates=_double_product),
+    ),
+    mapped(
+        name="lorenz-beta-rounded",
+        sentence="beta is kept in four decimals.",
+        on=("lorenz",),
+        sees=("error", "z"),
+        inside=_with(lorenz_rates=_rounded_beta),
     ),
     mapped(
         name="iterates-six-digits",

@@ -70,6 +70,24 @@ def oscillators():
     found = ode(rates, (f("5/4"), 0, *start), f("5/4"))
     case("van-der-pol", {"mu": "3/7", "p": "1/9", "x0": "5/4"}, "5/4", x=found[0], v=found[1])
 
+    def convection(s, y):
+        return [
+            10 * (y[1] - y[0]),
+            20 * y[0] - y[0] * y[2] - y[1],
+            y[0] * y[1] - f("8/3") * y[2],
+        ]
+
+    # Eight intervals of 1/8.
+    found = ode(convection, (f("1/3"), 2, 7), mpf(1))
+    case(
+        "lorenz",
+        {"rho": "20", "start": "1/3,2,7", "interval": "1/8"},
+        "8",
+        x=found[0],
+        y=found[1],
+        z=found[2],
+    )
+
 
 def undamped():
     """Of one degree of freedom, with elliptic and beta functions, and dry friction."""
