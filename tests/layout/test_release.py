@@ -27,8 +27,16 @@ def test_the_version_is_the_same_everywhere() -> None:
     built = re.search(r"^  version: '(.*)',$", (ROOT / "meson.build").read_text(), re.MULTILINE)
     assert built
     cited = document(ROOT / "CITATION.cff")
-    assert {project["version"], built[1], str(cited["version"])} == {refdem.__version__}
+    recipe = document(ROOT / "ci" / "conda" / "recipe.yaml")
+    versions = {project["version"], built[1], cited["version"], recipe["context"]["version"]}
+    assert versions == {refdem.__version__}
     assert cited["license"] == project["license"]
+
+
+def test_the_date_of_a_release_is_the_same_where_it_is_cited() -> None:
+    cited = document(ROOT / "CITATION.cff")
+    heading = f"## {cited['version']} - {cited['date-released']}"
+    assert heading in (ROOT / "CHANGELOG.md").read_text().splitlines()
 
 
 def test_a_citation_has_what_its_format_asks_for() -> None:

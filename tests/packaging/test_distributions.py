@@ -170,20 +170,6 @@ def test_an_extra_that_stands_for_others_names_extras_that_are_there() -> None:
         assert set(requirement[len("refdem[") : -1].split(",")) <= set(extras)
 
 
-def test_every_file_that_names_the_version_names_the_same() -> None:
-    """The build, the package, the citation and the recipe; the CHANGELOG has a section for it."""
-    named = {
-        "meson.build": r"version: '(.*)'",
-        "refdem/__init__.py": r'__version__ = "(.*)"',
-        "CITATION.cff": r"(?m)^version: (.*)$",
-        "ci/conda/recipe.yaml": r'version: "(.*)"',
-    }
-    for name, pattern in named.items():
-        found = re.search(pattern, (ROOT / name).read_text())
-        assert found is not None, name
-        assert found[1] == VERSION, name
-
-
 def test_the_recipe_for_conda_asks_for_what_pip_asks_for() -> None:
     recipe = yaml.safe_load((ROOT / "ci" / "conda" / "recipe.yaml").read_text())
     project = tomllib.loads((ROOT / "pyproject.toml").read_text())
