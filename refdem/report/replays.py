@@ -7,7 +7,8 @@ import msgspec
 
 from refdem.core.replay import Replay
 from refdem.report.contents import Contents, page
-from refdem.report.palette import REFERENCE, engine_colours
+from refdem.report.palette import REFERENCE, engine_colours, styles
+from refdem.report.tolerance import rows_of
 
 
 def files(contents: Contents) -> Iterator[tuple[str, str]]:
@@ -15,7 +16,6 @@ def files(contents: Contents) -> Iterator[tuple[str, str]]:
 
     It hands over numbers and names; the script of the page writes names as text only.
     """
-    colours = engine_colours(contents)
     references = {sheet.engine for sheet in contents.engines if sheet.is_reference}
     for sheet in contents.cases:
         replay = contents.replays.get(sheet.label)
@@ -24,12 +24,26 @@ def files(contents: Contents) -> Iterator[tuple[str, str]]:
         # Whole numbers become floats, as they are in a replay that was read from its records.
         same = msgspec.convert(msgspec.to_builtins(replay), Replay)
         shown = msgspec.to_builtins(same)
+        looks = looks_of(contents, replay)
         for track in shown["tracks"]:
-            track["colour"] = colours.get(track["engine"], REFERENCE)
-            is_reference = track["engine"] in references
-            track["is_anchor"] = is_reference and track["method"] == replay.anchor
+            series = f"{track['engine']} {track['method']}"
+            track["colour"], track["shape"] = looks[series]
+            track["is_reference"] = track["engine"] in references
+            track["is_anchor"] = track["is_reference"] and track["method"] == replay.anchor
         name = page(sheet.label)
         yield f"assets/replay-{name}.js", handed_over("refdemReplay", name, shown)
+
+
+def looks_of(contents: Contents, replay: Replay) -> dict[str, tuple[str, str]]:
+    """Colour and shape of every series (engine and method) of a replay, as the chart of errors has
+    them, which gives out the shapes of an engine in the order of its rows.
+    """
+    records = [row.record for row in rows_of(contents, replay.label)]
+    charted = [(record.engine, record.method) for record in records]
+    tracked = [(track.engine, track.method) for track in replay.tracks]
+    colours = {engine: REFERENCE for engine, _ in tracked} | engine_colours(contents)
+    triples = styles([*charted, *tracked], colours)
+    return {series: (colour, shape) for series, colour, shape in triples}
 
 
 def is_replay(name: str) -> bool:

@@ -4,9 +4,12 @@ from contextlib import contextmanager
 from urllib.parse import unquote, urlsplit
 
 import msgspec
+import numpy as np
 import pytest
 
+from refdem.core.replay import DrawnBody, Grid
 from refdem.report import write_report
+from refdem.report.replays import handed_over
 from tests.report import synthetic
 
 SCHEMES = ("light", "dark")
@@ -282,6 +285,44 @@ def opened_replay(page):
     return replay
 
 
+def legend_row(replay, name):
+    """The row of a method in the legend of a replay."""
+    return replay.get_by_role("row").filter(has_text=name)
+
+
+PIXELS = """
+(canvas, [red, green, blue]) => {
+  const copy = new OffscreenCanvas(canvas.width, canvas.height).getContext("2d");
+  copy.drawImage(canvas, 0, 0);
+  const data = copy.getImageData(0, 0, canvas.width, canvas.height).data;
+  let found = 0;
+  for (let k = 0; k < data.length; k += 4)
+    found += data[k] === red && data[k + 1] === green && data[k + 2] === blue;
+  return found;
+}
+"""
+"""How many pixels of a canvas have exactly this colour."""
+
+HEIGHTS = """
+canvas => {
+  const copy = new OffscreenCanvas(canvas.width, canvas.height).getContext("2d");
+  copy.drawImage(canvas, 0, 0);
+  const data = copy.getImageData(0, 0, canvas.width, canvas.height).data;
+  const columns = Array(canvas.width).fill(0);
+  for (let k = 3; k < data.length; k += 4) columns[((k - 3) / 4) % canvas.width] += data[k] > 0;
+  const half = Math.floor(canvas.width / 2);
+  return [Math.max(...columns.slice(0, half)), Math.max(...columns.slice(half))];
+}
+"""
+"""The largest heights [pixel] of what is drawn in the left and right halves of a canvas."""
+
+
+def has_pixels(canvas, colour):
+    """True if more than a few pixels of a canvas have this colour #rrggbb."""
+    parts = [int(colour[k : k + 2], 16) for k in (1, 3, 5)]
+    return canvas.evaluate(PIXELS, parts) > 20
+
+
 def ink(canvas):
     """The pixels of a canvas, as one text."""
     return canvas.evaluate("canvas => canvas.toDataURL()")
@@ -315,12 +356,17 @@ def test_a_replay_is_stepped_and_searched_by_keys_and_tells_what_is_seen(browser
         onward.focus()
         page.keyboard.press("Enter")
         page.keyboard.press("Space")
-        # Errors grow evenly to 1e-4 m at frame 9.
-        assert "t = 1 s, frame 3 of 9. Distance from truth 2.5e-5 m" in now.inner_text()
-        assert "largest 1e-4 m" in now.inner_text()
+        assert "t = 1 s, frame 3 of 9." in now.inner_text()
+        # Errors grow evenly to 1e-4 m and 1e-3 rad at frame 9.
+        of_alpha = legend_row(replay, "alpha rk4").inner_text()
+        assert "2.5e-5 m, 2.5e-4 rad" in of_alpha
+        assert "1e-4 m, 0.001 rad" in of_alpha
+        assert "step 0.1 s" in of_alpha
         assert "Body 1 has just met something" in now.inner_text()
         assert "Body 1 touches the plane" in now.inner_text()
-        assert "frame 3 of 9" in replay.locator("canvas").get_attribute("aria-label")
+        heard = replay.locator("canvas").get_attribute("aria-label")
+        assert "Truth filled. alpha rk4 in lines, 2.5e-5 m, 2.5e-4 rad from truth." in heard
+        assert "frame 3 of 9" in heard
         replay.get_by_role("button", name="Step back").click()
         assert "frame 2 of 9" in now.inner_text()
         slider = replay.get_by_label("Time")
@@ -332,17 +378,124 @@ def test_a_replay_is_stepped_and_searched_by_keys_and_tells_what_is_seen(browser
         assert "frame 1 of 9" in now.inner_text()
 
 
-def test_a_replay_says_by_how_much_errors_are_enlarged_and_of_which_method(browser, folder):
+def test_a_replay_says_by_how_much_errors_are_enlarged_and_where_truth_is_from(browser, folder):
     with opened(browser, folder / "cases/pendulum.html") as page:
         replay = opened_replay(page)
         # The tip of the upper spoke is 1e-3 rad * 0.5 m + 1e-4 m too far left. A fifth of 4.3 m,
         # from the left end of the box to the right end of the ball, is 1433 times that.
-        assert "enlarged by a factor of 1000." in replay.inner_text()
+        assert "enlarged by a factor of 1000 so" in replay.inner_text()
         assert "Certified values of x, alpha are drawn" in replay.inner_text()
-        before = ink(replay.locator("canvas"))
-        replay.get_by_label("Method").select_option("reference exact")
-        assert "reference exact" in replay.locator("canvas").get_attribute("aria-label")
-        assert ink(replay.locator("canvas")) != before
+        assert "truth is drawn from it" in legend_row(replay, "reference exact").inner_text()
+        replay.get_by_role("checkbox", name="alpha rk4").uncheck()
+        assert "There is no error to draw." in replay.inner_text()
+
+
+def test_a_replay_shows_several_methods_at_once_and_its_legend_switches_them(browser, folder):
+    with opened(browser, folder / "cases/pendulum.html") as page:
+        replay = opened_replay(page)
+        canvas = replay.locator("canvas")
+        truth, alpha, reference = replay.get_by_role("checkbox").all()
+        assert [box.is_checked() for box in (truth, alpha, reference)] == [True, True, False]
+        red, grey = "#d55e00", "#767676"
+        assert has_pixels(canvas, red)
+        assert not has_pixels(canvas, grey)
+        # By mouse, on the name. The two runs are the same, and the lines of both are seen.
+        replay.get_by_text("reference exact", exact=True).click()
+        assert has_pixels(canvas, red)
+        assert has_pixels(canvas, grey)
+        heard = canvas.get_attribute("aria-label")
+        assert "alpha rk4 in lines" in heard
+        assert "reference exact in lines" in heard
+        # By keys.
+        both = ink(canvas)
+        truth.focus()
+        page.keyboard.press("Space")
+        assert ink(canvas) != both
+        assert "Truth filled" not in canvas.get_attribute("aria-label")
+        page.keyboard.press("Tab")
+        page.keyboard.press("Space")
+        assert not has_pixels(canvas, red)
+        assert has_pixels(canvas, grey)
+
+
+def test_a_contact_of_some_of_the_methods_is_told_with_their_names(browser, folder):
+    with opened(browser, folder / "cases/pendulum.html") as page:
+        replay = opened_replay(page)
+        replay.get_by_label("Time").fill("2")
+        now = replay.locator(".now")
+        assert "Body 1 has just met something (alpha rk4)." in now.inner_text()
+        assert "Body 1 touches the plane." in now.inner_text()
+
+
+RIGHT = np.array([0.8, 0.0, -0.6])
+TOWARDS = np.array([0.6, 0.0, 0.8])
+"""Of a reader who looks at a motion from aside."""
+
+
+def balls_in_space(*balls, angle=0.0):
+    """A replay of balls, each (radius, right, towards the reader) [m], that turn by an angle [rad]
+    about an axis of space; without a method, links or planes.
+    """
+    drawn = []
+    for radius, right, towards in balls:
+        place = right * RIGHT + towards * TOWARDS
+        attitude = (1.0, 0.0, 0.0, 0.0)
+        drawn.append(DrawnBody(position=tuple(place.tolist()), attitude=attitude, radius=radius))
+    given = synthetic.replay("pendulum", "alpha", "rk4")
+    half = np.linspace(0.0, angle / 2, len(given.t))
+    zero = np.zeros_like(half)
+    turn = np.column_stack([np.cos(half) - 1, zero, zero, np.sin(half)])
+    return msgspec.structs.replace(
+        given,
+        bodies=tuple(drawn),
+        links=(),
+        planes=(),
+        touches=False,
+        view=(tuple(RIGHT.tolist()), (0.0, 1.0, 0.0), tuple(TOWARDS.tolist())),
+        place=Grid.of(np.zeros((len(given.t), 3 * len(drawn)))),
+        turn=Grid.of(np.tile(turn, len(drawn))),
+        tracks=(),
+    )
+
+
+@contextmanager
+def opened_with(browser, folder, replay):
+    """The replay of a page that is given this one in place of its own."""
+    script = handed_over("refdemReplay", "pendulum", msgspec.to_builtins(replay))
+    page = browser.new_page()
+    page.set_default_timeout(PATIENCE)
+    page.route(
+        "**/assets/replay-pendulum.js",
+        lambda route: route.fulfill(body=script, content_type="text/javascript"),
+    )
+    page.goto((folder / "cases/pendulum.html").as_uri())
+    yield opened_replay(page)
+    page.close()
+
+
+def test_of_two_equal_balls_the_nearer_one_is_drawn_larger(browser, folder):
+    nearer, farther = (0.5, -1.0, 1.0), (0.5, 1.0, -1.0)
+    with opened_with(browser, folder, balls_in_space(nearer, farther)) as replay:
+        left, right = replay.locator("canvas").evaluate(HEIGHTS)
+        # The eye is 9 m from the middle: 9/8 against 9/10, to some pixels.
+        assert 1.2 < left / right < 1.3
+
+
+def test_what_is_nearer_covers_what_is_farther_whatever_their_order(browser, folder):
+    nearer, farther = (0.25, 0.0, 1.0), (0.5, 0.25, -1.0)
+    seen = set()
+    for balls in ((nearer, farther), (farther, nearer)):
+        with opened_with(browser, folder, balls_in_space(*balls)) as replay:
+            seen.add(ink(replay.locator("canvas")))
+    assert len(seen) == 1
+
+
+def test_the_spin_of_a_ball_in_space_is_seen(browser, folder):
+    with opened_with(browser, folder, balls_in_space((0.5, 0.0, 0.0), angle=1.0)) as replay:
+        canvas = replay.locator("canvas")
+        before = ink(canvas)
+        replay.get_by_role("button", name="Step on").click()
+        assert ink(canvas) != before
 
 
 def test_a_replay_takes_the_colours_of_the_page_and_its_width(browser, folder):
@@ -375,7 +528,7 @@ def test_a_replay_with_names_from_a_stranger_shows_them_as_text(browser, folder)
     with opened(browser, path) as page:
         replay = opened_replay(page)
         assert replay.locator("script, img").count() == 0
-        assert "<script>alert(1)</script>" in replay.locator("select").first.inner_text()
+        assert "<script>alert(1)</script>" in replay.locator(".tracks").inner_text()
 
 
 def test_a_replay_that_is_missing_or_broken_is_said_to_be(browser, folder):

@@ -2,8 +2,10 @@
 
 import json
 
-from refdem.report import write_report
-from refdem.report.contents import page
+from refdem.report import chart_data, write_report
+from refdem.report.contents import contents_of, page
+from refdem.report.replays import looks_of
+from refdem.report.tolerance import rows_of
 from tests.report import synthetic
 
 
@@ -27,6 +29,14 @@ def test_a_script_has_the_frames_and_a_colour_for_each_method(folder):
     assert [track["method"] for track in replay["tracks"]] == ["rk4", "exact"]
     assert [track["is_anchor"] for track in replay["tracks"]] == [False, True]
     assert len({track["colour"] for track in replay["tracks"]}) == 2
+
+
+def test_a_method_has_the_colour_and_the_shape_of_its_charts(sheets):
+    contents = contents_of(sheets)
+    looks = looks_of(contents, contents.replays["pendulum"])
+    chart = chart_data.errors(contents, rows_of(contents, "pendulum"))
+    drawn = {series: (colour, shape) for series, colour, shape in chart.styles}
+    assert looks["alpha rk4"] == drawn["alpha rk4"]
 
 
 def test_names_from_strangers_end_no_script(folder):
