@@ -1,5 +1,6 @@
 """refdem certify: proves the certified store again, or checks that it holds."""
 
+import shlex
 from pathlib import Path
 from typing import Annotated
 
@@ -112,7 +113,8 @@ def summary(folder: Path) -> str:
         listed += " ..."
     staleness = "none stale"
     if stale_sets:
-        staleness = f"{len(stale_sets)} stale or missing: {listed}; run `make certify`"
+        remedy = f"run `refdem certify --folder {shlex.quote(str(folder))}`"
+        staleness = f"{len(stale_sets)} stale or missing: {listed}; {remedy}"
     cases = len({certified.case for certified in sets})
     values = sum(len(certified.values) for certified in sets)
     return f"The store has {len(sets)} sets of {cases} cases, {values} values, {staleness}."
