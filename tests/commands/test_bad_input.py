@@ -70,7 +70,7 @@ def _own_store(tmp_path, monkeypatch):
         (["truth", "pendulum", "--at", "-1"], "--at"),
         (["truth", "pendulum", "--at", "1e999"], "--at"),
         (["truth", "time-reversal"], "selection"),
-        (["list", "casess"], "expected cases"),
+        (["list", "casess"], "no case is about 'casess'; `refdem list cases`"),
         (["schema", "nothing"], "expected"),
         (["report", "nowhere"], "nowhere"),
     ],
