@@ -60,7 +60,10 @@ def test_the_engine_that_carries_faults_does_not_pretend_to_have_it():
         problem.times,
     )
     told = {transparent.unsupported(problem, method) for method in transparent.methods}
-    assert told == {"no tangential spring under Hertz's law", "cannot run a motion"}
+    assert told == {
+        "the transparent engine has no tangential spring under Hertz's law",
+        "cannot run a motion",
+    }
     assert any(transparent.unsupported(without, method) is None for method in transparent.methods)
 
 
