@@ -134,15 +134,18 @@ def volume(name: str, p: Parameters) -> float:
     """The volume [m^3] of a solid (area [m^2] of a plate) to within a small factor: the scale of
     its mass. A hollow solid counts with its hollow.
     """
+    of_cylinder = np.pi * p.a**2 * p.c
+    of_sphere = 4 * np.pi / 3 * p.a**3
+    of_stick = np.pi * p.thin**2 * p.c**3
     volumes = {
         "triangle": p.b * p.c / 2,
         "angle-plate": p.a * p.b * 3 / 4,
-        "hollow-cylinder": np.pi * p.a**2 * p.c,
-        "hoop": np.pi * p.a**2 * p.c,
-        "sphere": 4 * np.pi / 3 * p.a**3,
-        "hollow-sphere": 4 * np.pi / 3 * p.a**3,
-        "stick": np.pi * p.thin**2 * p.c**3,
-        "stick-at-end": np.pi * p.thin**2 * p.c**3,
+        "hollow-cylinder": of_cylinder,
+        "hoop": of_cylinder,
+        "sphere": of_sphere,
+        "hollow-sphere": of_sphere,
+        "stick": of_stick,
+        "stick-at-end": of_stick,
     }
     # The volumes of the others in units of a b c.
     fractions = {

@@ -14,6 +14,7 @@ from flint import arb, arb_mat
 from refdem.core.parameters import Parameters
 from refdem.truth.balls import UndecidedError, arb_of
 from refdem.truth.exact import number, vector
+from refdem.truth.rotation import applied, times
 
 
 def values(p: Parameters, matrix: Sequence[arb], q: Sequence[arb]) -> dict[str, list[arb]]:
@@ -23,7 +24,7 @@ def values(p: Parameters, matrix: Sequence[arb], q: Sequence[arb]) -> dict[str, 
     angle = square.sqrt()
     rotation = square_matrix(matrix)
     axis = axis_of(turn)
-    body_axis = applied(rotation.transpose(), axis)
+    body_axis = applied(rotation.transpose().table(), axis)
     return (
         of_nine(rotation, turn, axis, body_axis)
         | of_four(rotation, q, turn, axis)
@@ -73,7 +74,7 @@ def of_four(
     """The quaternion after the step, its length, and the unit quaternion with its matrix."""
     half = [arb_of(component) / 2 for component in turn]
     half_square = sum((component * component for component in half), arb(0))
-    rate = vector_times(half, q)
+    rate = times([arb(0), *half], q)
     stepped = [component + change for component, change in zip(q, rate, strict=True)]
     length = (1 + half_square).sqrt()
     # t = |v|/2 is the tangent of half the angle: sin = 2 t/(1 + t^2), cos = (1 - t^2)/(1 + t^2).
@@ -137,17 +138,6 @@ def turn_about(axis: Sequence[arb], sine: arb, cosine: arb) -> arb_mat:
     return arb_mat(entries)
 
 
-def vector_times(v: Sequence[arb], q: Sequence[arb]) -> list[arb]:
-    """The product (0, v) q of quaternions."""
-    v_x, v_y, v_z = v
-    w, x, y, z = q
-    product_w = -v_x * x - v_y * y - v_z * z
-    product_x = v_x * w + v_y * z - v_z * y
-    product_y = v_y * w + v_z * x - v_x * z
-    product_z = v_z * w + v_x * y - v_y * x
-    return [product_w, product_x, product_y, product_z]
-
-
 def square_matrix(entries: Sequence[arb]) -> arb_mat:
     """The matrix (3, 3) of nine entries, row by row."""
     return arb_mat(3, 3, list(entries))
@@ -156,8 +146,3 @@ def square_matrix(entries: Sequence[arb]) -> arb_mat:
 def row_by_row(m: arb_mat) -> list[arb]:
     """The entries of a matrix."""
     return [entry for row in m.table() for entry in row]
-
-
-def applied(m: arb_mat, v: Sequence[arb]) -> list[arb]:
-    """A matrix times a vector."""
-    return [row[0] for row in (m * arb_mat([[x] for x in v])).table()]

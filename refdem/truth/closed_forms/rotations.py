@@ -16,6 +16,7 @@ from refdem.truth.balls import arb_of
 from refdem.truth.closed_forms import nine_entries
 from refdem.truth.closed_forms.quaternions import listed
 from refdem.truth.exact import number, vector
+from refdem.truth.rotation import times
 from refdem.truth.timeless import Timeless
 
 TURNS = {
@@ -156,20 +157,33 @@ def by_small_turns(p: Parameters) -> dict[str, list[arb]]:
     s, c = h.sin_cos()
     zero = arb(0)
     one = arb(1)
+    small_x = [one, zero, zero, zero, c, -s, zero, s, c]
+    small_y = [c, zero, s, zero, one, zero, -s, zero, c]
+    x_after_y = [c, zero, s, s * s, c, -s * c, -s * c, s, c * c]
+    y_after_x = [c, s * s, s * c, zero, c, -s, -s, s * c, c * c]
+    # Both orders differ by s^2 in the plane, and by s (1 - c) in the entries beside it.
     third = s * (1 - c)
+    beside = [third, third, third, zero]
+    commutator = [zero, -s * s, third, s * s, zero, *beside]
     beyond = s * s - h * h
+    beyond_leading = [zero, -beyond, third, beyond, zero, *beside]
+    # Turns by -h have -s for s.
+    small_x_back = [one, zero, zero, zero, c, s, zero, -s, c]
+    small_y_back = [c, zero, -s, zero, one, zero, s, zero, c]
+    both_back = [c, zero, -s, s * s, c, s * c, s * c, -s, c * c]
+    loop_angle = 4 * ((h / 2).sin() ** 2).asin()
     return {
-        "small-x": [one, zero, zero, zero, c, -s, zero, s, c],
-        "small-y": [c, zero, s, zero, one, zero, -s, zero, c],
-        "small-x-back": [one, zero, zero, zero, c, s, zero, -s, c],
-        "small-y-back": [c, zero, -s, zero, one, zero, s, zero, c],
-        "small-x-y": [c, zero, s, s * s, c, -s * c, -s * c, s, c * c],
-        "small-y-x": [c, s * s, s * c, zero, c, -s, -s, s * c, c * c],
-        "turn-commutator": [zero, -s * s, third, s * s, zero, third, third, third, zero],
-        "beyond-leading": [zero, -beyond, third, beyond, zero, third, third, third, zero],
-        "loop-back": [c, zero, -s, s * s, c, s * c, s * c, -s, c * c],
+        "small-x": small_x,
+        "small-y": small_y,
+        "small-x-y": x_after_y,
+        "small-y-x": y_after_x,
+        "turn-commutator": commutator,
+        "beyond-leading": beyond_leading,
+        "small-x-back": small_x_back,
+        "small-y-back": small_y_back,
+        "loop-back": both_back,
         "loop": loop(s, c),
-        "loop-angle": [4 * ((h / 2).sin() ** 2).asin()],
+        "loop-angle": [loop_angle],
     }
 
 
@@ -214,7 +228,7 @@ def by_euler(p: Parameters) -> dict[str, list[arb]]:
     omega = (omega_x, omega_y, omega_z)
     near_quaternion = quaternion(phi, near, psi)
     # q' = omega q/2 (1.67).
-    omega_q = nine_entries.vector_times(omega, near_quaternion)
+    omega_q = times([arb(0), *omega], near_quaternion)
     return {
         "euler-matrix": euler_matrix(phi, theta, psi),
         "euler-back": [phi, theta, psi],

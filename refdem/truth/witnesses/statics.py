@@ -188,14 +188,8 @@ def solids(p: Mapping[str, Exact]) -> dict[str, Rule]:
     a, b, c, f = numbers(p, "a", "b", "c", "hollow").values()
     zero = Fraction(0)
     plate = ((weight, (x, y, zero)) for weight, (x, y, _) in angled(a, b, Fraction(1)))
-    masses = iter(
-        [
-            (Fraction(1), (zero, zero, zero)),
-            (Fraction(2), (a, zero, zero)),
-            (Fraction(3), (a, b, zero)),
-            (Fraction(4), (a, b, c)),
-        ]
-    )
+    places = [(zero, zero, zero), (a, zero, zero), (a, b, zero), (a, b, c)]
+    masses = ((Fraction(mass), place) for mass, place in enumerate(places, start=1))
     plain = {
         "cuboid": boxed(a, b, c),
         "ellipsoid": ellipsoid(a, b, c),
@@ -413,6 +407,7 @@ def turns_by(p: Mapping[str, Exact], u: Sequence[arb]) -> dict[str, Sequence[Any
     """The rows of the unit quaternion u: its matrix, Euler's angles, and a vector that it turns."""
     v = vector(p, "vector")
     matrix = matrix_of(u)
+    entries = [x for row in matrix for x in row]
     twice = hamilton(u, u)
     first = vector(p, "p")
     first_length = arb_of(sum((x * x for x in first), Fraction(0))).sqrt()
@@ -420,6 +415,8 @@ def turns_by(p: Mapping[str, Exact], u: Sequence[arb]) -> dict[str, Sequence[Any
     u2_u1 = hamilton(u, u1)
     u1_u2 = hamilton(u1, u)
     rotated = applied(matrix, v)
+    in_turn = applied(matrix_of(u2_u1), v)
+    in_other_order = applied(matrix_of(u1_u2), v)
     minus_u = [-x for x in u]
     # From its matrix a quaternion comes back with w >= 0.
     if u[0] > 0:
@@ -433,7 +430,7 @@ def turns_by(p: Mapping[str, Exact], u: Sequence[arb]) -> dict[str, Sequence[Any
         "back": back,
         "rotated": rotated,
         "rotated-by-minus-u": rotated,
-        "matrix": [x for row in matrix for x in row],
+        "matrix": entries,
         "euler": euler_of(matrix),
         "turned-twice": twice,
         "rotated-twice": applied(matrix_of(twice), v),
@@ -441,9 +438,9 @@ def turns_by(p: Mapping[str, Exact], u: Sequence[arb]) -> dict[str, Sequence[Any
         "u2-u1": u2_u1,
         "u1-u2": u1_u2,
         "rotated-by-u1": applied(matrix_of(u1), v),
-        "rotated-in-turn": applied(matrix_of(u2_u1), v),
-        "rotated-at-once": applied(matrix_of(u2_u1), v),
-        "rotated-in-other-order": applied(matrix_of(u1_u2), v),
+        "rotated-in-turn": in_turn,
+        "rotated-at-once": in_turn,
+        "rotated-in-other-order": in_other_order,
     }
 
 
