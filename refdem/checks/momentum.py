@@ -94,12 +94,13 @@ def _of_total(subject: Subject, run: Trajectory) -> Finding:
     """The largest change of total momentum, in units of the initial sum of m |v|."""
     total = linear(subject.instance.scene, run)
     change = np.linalg.norm(total - total[0], axis=1)
+    rounding = subject.round_off(subject.levels[0]) * sweeping(subject.instance, subject.method)
     return worst(
         check=Momentum.name,
         quantity="total",
         t=subject.instance.times,
         values=change / momentum_scale(subject.instance),
-        allowed=subject.round_off(subject.levels[0]) * sweeping(subject.instance, subject.method),
+        allowed=rounding * _in_slow_motion(subject),
         signal=_exchanged(subject, run),
         unit="1",
         basis=(
@@ -108,6 +109,20 @@ def _of_total(subject: Subject, run: Trajectory) -> Finding:
         ),
         what="The change of total momentum, relative to the initial sum of m|v|,",
     )
+
+
+def _in_slow_motion(subject: Subject) -> float:
+    """Factor >= 1 by which round-off is larger in units of the initial sum of m |v|.
+
+    Velocities are rounded on their own scale, and the factor is 1. Those that are differences of
+    places have the roundings of places, which are counted in units of L/tau, however slowly the
+    bodies move.
+    """
+    if not subject.method.differenced_velocities:
+        return 1.0
+    instance = subject.instance
+    unit = float(instance.scene.bodies.mass.sum()) * instance.scales.speed
+    return max(1.0, unit / momentum_scale(instance))
 
 
 def _of_pairs(subject: Subject, plain: Trajectory, run: Trajectory) -> list[Finding]:
