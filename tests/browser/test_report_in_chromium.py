@@ -206,6 +206,7 @@ def test_a_reader_who_changes_to_dark_gets_dark_charts(browser, folder):
             " text')?.getAttribute('fill') !== before",
             arg=before,
         )
+        assert ink.get_attribute("fill") != before
 
 
 def test_a_narrow_page_scrolls_its_tables_and_not_itself(browser, folder):
@@ -544,7 +545,9 @@ def test_a_replay_that_is_missing_or_broken_is_said_to_be(browser, folder):
         page.route("**/assets/replay-pendulum.js", answer)
         page.goto((folder / "cases/pendulum.html").as_uri())
         page.locator("details.replay summary").click()
-        page.get_by_text(words).wait_for()
+        said = page.get_by_text(words)
+        said.wait_for()
+        assert said.is_visible()
         page.close()
 
 
