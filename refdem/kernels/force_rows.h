@@ -22,9 +22,10 @@ typedef struct {
     double stiffness, length, exponent, anchor[3], quadratic, cubic;
 } spring_row;
 
-/* F = -(damping + van_der_pol |d|^2) v, with d from the anchor [m]. */
+/* F = -(damping + van_der_pol |d|^2) (v - rate x d), with d from the anchor [m]; `rate` [rad/s] is
+ * that of the fluid, 0 for a fluid at rest. */
 typedef struct {
-    double damping, van_der_pol, anchor[3];
+    double damping, van_der_pol, anchor[3], rate[3];
 } dashpot_row;
 
 /* F = -attraction r/|r|^3 with attraction = G M m [N m^2]. */
@@ -72,6 +73,16 @@ static inline double branch(const double *anchor, const double *place, double *d
     return sqrt(square);
 }
 
+/* The velocity of a point against the fluid of a dashpot, v - rate x d. */
+static inline void slip_of(const dashpot_row *p, const double *d, const double *velocity,
+                           double *slip)
+{
+    const double *w = p->rate;
+    slip[0] = velocity[0] - (w[1] * d[2] - w[2] * d[1]);
+    slip[1] = velocity[1] - (w[2] * d[0] - w[0] * d[2]);
+    slip[2] = velocity[2] - (w[0] * d[1] - w[1] * d[0]);
+}
+
 /* The force (3) [N] of one row on a point at time t [s], from its place (3) [m] and velocity (3)
  * [m/s]: relative to the other end of the row's element, where it has one. */
 static inline void force_on(int64_t kind, const double *row, double t, const double *place,
@@ -80,7 +91,7 @@ static inline void force_on(int64_t kind, const double *row, double t, const dou
     static const double origin[3] = {0, 0, 0};
     const double *direction = place; /* F = strength direction */
     double strength = 0.0;
-    double d[3];
+    double d[3], slip[3];
     if (kind == DRIVE) {
         const drive_row *p = (const void *)row;
         strength = p->force * cos(p->frequency * t + p->phase);
@@ -95,7 +106,8 @@ static inline void force_on(int64_t kind, const double *row, double t, const dou
         const dashpot_row *p = (const void *)row;
         double distance = branch(p->anchor, place, d);
         strength = -(p->damping + p->van_der_pol * distance * distance);
-        direction = velocity;
+        slip_of(p, d, velocity, slip);
+        direction = slip;
     } else if (kind == CENTRAL) {
         const central_row *p = (const void *)row;
         double distance = branch(origin, place, d);

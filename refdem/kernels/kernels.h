@@ -38,12 +38,13 @@ int refdem_record(void *step, void *a, void *b, int64_t samples, int64_t stride,
 /* What REBOUND's callbacks need. particle: address of the scene's first body in the engine's array;
  * size and offsets of a particle's columns in bytes. Ends are pairs of bodies, -1 the world. spring
  * (springs, 8): stiffness [N/m^exponent], length [m], exponent, anchor in the world (3) [m],
- * quadratic [N/m^2], cubic [N/m^3]. dashpot (dashpots, 5): damping [N s/m], van_der_pol [N s/m^3],
- * anchor. contact (contacts, 5): sum of the radii [m], stiffness [N/m^exponent], exponent, damping
- * [N s/m], 1 if the force may pull, else 0. field (fields, 10): k1, k2 [N/m], x1, x2 [m], point (3)
- * [m], axis (3) of a piecewise field. drive (drives, 6): force [N], frequency [rad/s], phase, axis
- * (3); `clock` [s] is the engine's. tension (rods) [N] is written by every evaluation of the
- * forces. inertia (turning, 3) [kg m^2], one row for each body that turns. */
+ * quadratic [N/m^2], cubic [N/m^3]. dashpot (dashpots, 8): damping [N s/m], van_der_pol [N s/m^3],
+ * anchor, rate of the fluid (3) [rad/s]. contact (contacts, 5): sum of the radii [m], stiffness
+ * [N/m^exponent], exponent, damping [N s/m], 1 if the force may pull, else 0. field (fields, 10):
+ * k1, k2 [N/m], x1, x2 [m], point (3) [m], axis (3) of a piecewise field. drive (drives, 6): force
+ * [N], frequency [rad/s], phase, axis (3); `clock` [s] is the engine's. tension (rods) [N] is
+ * written by every evaluation of the forces. inertia (turning, 3) [kg m^2], one row for each body
+ * that turns. */
 typedef struct {
     char *particle;
     int64_t size, position, velocity, acceleration;

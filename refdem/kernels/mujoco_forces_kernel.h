@@ -12,8 +12,8 @@
  * velocity (3) of body a lie in q and v, then those of body b; -1 where there is none, which counts
  * as 0. number (pushes, 10), by kind: force [N], frequency [rad/s], phase, axis (3); stiffness
  * [N/m^exponent], length [m], exponent, anchor (3) [m], quadratic [N/m^2], cubic [N/m^3]; damping
- * [N s/m], van_der_pol [N s/m^3], anchor (3); gm times mass [N m^2]; k1, k2 [N/m], x1, x2 [m],
- * point (3) [m], axis (3). */
+ * [N s/m], van_der_pol [N s/m^3], anchor (3), rate (3) [rad/s]; gm times mass [N m^2]; k1, k2
+ * [N/m], x1, x2 [m], point (3) [m], axis (3). */
 typedef struct {
     const double *q, *v, *clock;
     double *passive_force;

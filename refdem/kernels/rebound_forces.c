@@ -9,7 +9,7 @@
  *
  * Forces on a, their opposites on b, with d = x_a - x_b, w = v_a - v_b:
  *   spring   -(k |s|^e sgn s + k2 s^2 + k3 s^3) d/|d|,   s = |d| - length
- *   dashpot  -(damping + van_der_pol |d|^2) w
+ *   dashpot  -(damping + van_der_pol |d|^2) (w - rate x d)
  *   contact  (k o^e + damping o') d/|d|,   o = reach - |d| > 0, o' = -w.d/|d|
  *   drive    F cos(frequency t + phase) axis
  *   rod      -lambda d,   lambda = (w.w + d.(a_a - a_b))/(d.d (1/m_a + 1/m_b)),
@@ -85,14 +85,15 @@ static void spring(const scene_t *scene, const int64_t *end, const spring_row *p
     add_force(scene, end, -spring_pull(p, distance - p->length) / distance, d);
 }
 
-/* F = -(damping + van_der_pol |d|^2) w. */
+/* F = -(damping + van_der_pol |d|^2) (w - rate x d). */
 static void dashpot(const scene_t *scene, const int64_t *end, const dashpot_row *p)
 {
     static const double rest[3] = {0, 0, 0};
-    double d[3], w[3];
+    double d[3], w[3], slip[3];
     difference(scene, end, scene->position, p->anchor, d);
     difference(scene, end, scene->velocity, rest, w);
-    add_force(scene, end, -(p->damping + p->van_der_pol * dot(d, d)), w);
+    slip_of(p, d, w, slip);
+    add_force(scene, end, -(p->damping + p->van_der_pol * dot(d, d)), slip);
 }
 
 /* F = (k o^e + damping o') d/|d| with the overlap o = reach - |d|, which grows as o' = -(w.d)/|d|;

@@ -6,6 +6,7 @@ from refdem.scene.elements.central_field import CentralField
 from refdem.scene.elements.dashpot import Dashpot
 from refdem.scene.elements.force import Force
 from refdem.scene.elements.piecewise_field import PiecewiseField
+from refdem.scene.elements.rotating_dashpot import RotatingDashpot
 from refdem.scene.elements.spring import Spring
 
 (DRIVE, SPRING, DASHPOT, CENTRAL, PIECEWISE) = range(5)
@@ -15,7 +16,7 @@ NUMBERS = 10
 Row = tuple[float, ...]
 Field = CentralField | PiecewiseField
 """What acts on every body."""
-Push = Force | Spring | Dashpot
+Push = Force | Spring | Dashpot | RotatingDashpot
 """What acts on one body, or on two."""
 
 
@@ -25,6 +26,7 @@ def kind_of(element: Field | Push) -> int:
         Force: DRIVE,
         Spring: SPRING,
         Dashpot: DASHPOT,
+        RotatingDashpot: DASHPOT,
         CentralField: CENTRAL,
         PiecewiseField: PIECEWISE,
     }
@@ -39,7 +41,10 @@ def row_of(element: Field | Push, mass: float = 1.0) -> Row:
         numbers = (element.stiffness, element.length, element.exponent, *element.anchor_b)
         return (*numbers, element.quadratic, element.cubic)
     if isinstance(element, Dashpot):
-        return (element.damping, element.van_der_pol, *element.anchor_b)
+        at_rest = (0.0, 0.0, 0.0)
+        return (element.damping, element.van_der_pol, *element.anchor_b, *at_rest)
+    if isinstance(element, RotatingDashpot):
+        return (element.damping, 0.0, *element.anchor_b, *element.rate)
     if isinstance(element, CentralField):
         return (element.gm * mass,)
     return (element.k1, element.k2, element.x1, element.x2, *element.point, *element.axis)

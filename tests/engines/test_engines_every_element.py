@@ -21,6 +21,7 @@ from refdem.scene.elements.contact import Contact
 from refdem.scene.elements.dashpot import Dashpot
 from refdem.scene.elements.force import Force
 from refdem.scene.elements.piecewise_field import PiecewiseField
+from refdem.scene.elements.rotating_dashpot import RotatingDashpot
 from refdem.scene.elements.slider import Slider
 from refdem.scene.elements.spring import Spring
 from refdem.scene.elements.uniform_gravity import UniformGravity
@@ -77,6 +78,11 @@ def still(in_space: bool) -> Body:
 def vector(x: float, y: float, z: float, in_space: bool) -> tuple[float, float, float]:
     """A vector, without its z in a plane."""
     return x, y, z * in_space
+
+
+def turn(x: float, y: float, z: float, in_space: bool) -> tuple[float, float, float]:
+    """An angular velocity, in a plane about z alone."""
+    return x * in_space, y * in_space, z
 
 
 def axis(in_space: bool) -> tuple[float, float, float]:
@@ -138,6 +144,21 @@ def equal_dashpots(s: bool) -> Scene:
     """The same rate for all bodies."""
     own = bodies(s)
     return Scene.of(own, [Dashpot(a=n, damping=1.3 * body.mass) for n, body in enumerate(own)])
+
+
+def fluids_that_turn(s: bool) -> Scene:
+    """Beside a dashpot of a fluid at rest, and two on one body."""
+    links = [
+        RotatingDashpot(
+            a=0, damping=1.7, rate=turn(0.6, -0.9, 2.3, s), anchor_b=vector(0.5, -1.2, 0.7, s)
+        ),
+        RotatingDashpot(
+            a=2, damping=0.6, rate=turn(-1.4, 0.7, -3.1, s), anchor_b=vector(-0.3, 0.4, 0.2, s)
+        ),
+        RotatingDashpot(a=2, damping=0.4, rate=turn(0.3, 0.8, 1.9, s)),
+        Dashpot(a=0, damping=0.9),
+    ]
+    return Scene.of(bodies(s), links)
 
 
 def drives(s: bool) -> Scene:
@@ -206,6 +227,7 @@ SCENES = {
     "dashpots": dashpots,
     "dashpots between": dashpots_between,
     "equal dashpots": equal_dashpots,
+    "fluids that turn": fluids_that_turn,
     "drives": drives,
     "drives between": drives_between,
     "centre": centre,
@@ -279,6 +301,8 @@ def pull_of(e: Link, t: float, x: Array, v: Array) -> Array:
         return -(pull + e.cubic * s**3) * r / d
     if isinstance(e, Dashpot):
         return -(e.damping + e.van_der_pol * (r @ r)) * w
+    if isinstance(e, RotatingDashpot):
+        return -e.damping * (w - np.cross(np.array(e.rate), r))
     if isinstance(e, Force):
         return e.amplitude * np.cos(e.frequency * t + e.phase) * np.array(e.axis)
     assert isinstance(e, Slider)
@@ -338,6 +362,7 @@ CARRIED = {
     "dashpots": "mujoco pymunk rebound",
     "dashpots between": "mujoco rebound",
     "equal dashpots": "mujoco pymunk rebound",
+    "fluids that turn": "mujoco pymunk rebound",
     "drives": "mujoco pymunk rebound",
     "drives between": "mujoco rebound",
     "centre": "mujoco pymunk rebound reference",

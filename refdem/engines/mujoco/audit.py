@@ -43,9 +43,9 @@ _MODEL = (
         "forces that MuJoCo has no element for",
         "-",
         "mjcb_passive, called in every stage at its own time, places and velocities",
-        "drives, central and piecewise fields, springs and dashpots that no joint or tendon says;"
-        " controls and applied forces are constant over a step, also within Runge-Kutta; the"
-        " callback is compiled",
+        "drives, central and piecewise fields, fluids that turn, springs and dashpots that no joint"
+        " or tendon says; controls and applied forces are constant over a step, also within"
+        " Runge-Kutta; the callback is compiled",
     ),
     Default(
         "bodies that do not turn",

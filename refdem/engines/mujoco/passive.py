@@ -18,6 +18,7 @@ from refdem.scene.elements.central_field import CentralField
 from refdem.scene.elements.dashpot import Dashpot
 from refdem.scene.elements.force import Force
 from refdem.scene.elements.piecewise_field import PiecewiseField
+from refdem.scene.elements.rotating_dashpot import RotatingDashpot
 from refdem.scene.elements.spring import Spring
 from refdem.scene.force_rows import NUMBERS, Row, kind_of, row_of
 
@@ -25,6 +26,8 @@ FAMILY = "mujoco_forces"
 Places = tuple[list[int], list[int]]
 """The indices of a body's coordinates in MuJoCo's qpos, and of its velocities in qvel; along an
 axis that has none the body is at rest at 0."""
+LINKED = (Force, Spring, Dashpot, RotatingDashpot)
+"""Elements that act on one body, or on two."""
 
 
 @dataclass(frozen=True)
@@ -117,7 +120,7 @@ def _columns(places: Sequence[Places], body: int) -> list[int]:
 
 def is_passive(element: Any, scene: Scene) -> bool:
     """True if the callback makes the force of the element, since no element of MuJoCo does."""
-    if isinstance(element, Force | CentralField | PiecewiseField):
+    if isinstance(element, Force | RotatingDashpot | CentralField | PiecewiseField):
         return True
     if isinstance(element, Spring):
         # MuJoCo's spring is a polynomial, linear or odd and cubic.
@@ -135,7 +138,7 @@ def of_passive(scene: Scene) -> str | None:
     space, else the reason why the scene is refused.
     """
     elements = [element for element in scene.elements if is_passive(element, scene)]
-    linked = [element for element in elements if isinstance(element, Force | Spring | Dashpot)]
+    linked = [element for element in elements if isinstance(element, LINKED)]
     for link in linked:
         if any(link.anchor_a) or (link.b >= 0 and any(link.anchor_b)):
             return adapter_lacks(f"a {link.kind} by mjcb_passive off the centre of a body")
@@ -154,7 +157,7 @@ def _pushes(scene: Scene) -> Iterator[Push]:
     for element in scene.elements:
         if not is_passive(element, scene):
             continue
-        if isinstance(element, Force | Spring | Dashpot):
+        if isinstance(element, LINKED):
             yield Push(element.a, element.b, kind_of(element), row_of(element))
         elif isinstance(element, CentralField | PiecewiseField):
             for number in moving:

@@ -28,6 +28,7 @@ SAID = {
     "spring",
     "slider",
     "rod",
+    "rotating_dashpot",
     "plane",
     "contact",
     "uniform_gravity",

@@ -64,8 +64,8 @@ AUDIT = (
         "Body.velocity_func",
         "Euler",
         "the same after the forces at the new place and the clock's end of the step",
-        "drives, central and piecewise fields, dashpots that Space.damping cannot say; the callback"
-        " is compiled",
+        "drives, central and piecewise fields, fluids that turn, dashpots that Space.damping cannot"
+        " say; the callback is compiled",
     ),
     Default(
         "DampedSpring.force_func",

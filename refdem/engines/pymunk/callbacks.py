@@ -22,6 +22,7 @@ from refdem.scene.elements.contact import Contact
 from refdem.scene.elements.dashpot import Dashpot
 from refdem.scene.elements.force import Force
 from refdem.scene.elements.piecewise_field import PiecewiseField
+from refdem.scene.elements.rotating_dashpot import RotatingDashpot
 from refdem.scene.elements.slider import Slider
 from refdem.scene.elements.spring import Spring
 from refdem.scene.force_rows import (
@@ -130,7 +131,7 @@ def _pushing(scene: Scene, number: int) -> Iterator[Field | Push]:
             yield element
         elif isinstance(element, Dashpot) and fading(scene) is not None:
             continue
-        elif isinstance(element, Force | Dashpot) and element.a == number:
+        elif isinstance(element, Force | Dashpot | RotatingDashpot) and element.a == number:
             yield element
 
 

@@ -12,6 +12,7 @@ from refdem.scene.elements.force import Force
 from refdem.scene.elements.piecewise_field import PiecewiseField
 from refdem.scene.elements.plane import Plane
 from refdem.scene.elements.rod import Rod
+from refdem.scene.elements.rotating_dashpot import RotatingDashpot
 from refdem.scene.elements.slider import Slider
 from refdem.scene.elements.spring import Spring
 from refdem.scene.elements.uniform_gravity import UniformGravity
@@ -37,6 +38,7 @@ KNOWN = (
     PiecewiseField,
     Plane,
     Rod,
+    RotatingDashpot,
     Slider,
     Spring,
     UniformGravity,

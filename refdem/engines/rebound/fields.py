@@ -18,6 +18,7 @@ from refdem.scene.elements.dashpot import Dashpot
 from refdem.scene.elements.force import Force
 from refdem.scene.elements.piecewise_field import PiecewiseField
 from refdem.scene.elements.rod import Rod
+from refdem.scene.elements.rotating_dashpot import RotatingDashpot
 from refdem.scene.elements.spring import Spring
 from refdem.scene.elements.uniform_gravity import UniformGravity
 from refdem.scene.force_rows import Field, Push, Row, row_of
@@ -61,7 +62,7 @@ def fields_of(scene: Scene) -> Fields:
     rods = scene.all(Rod)
     touches = _touches(scene)
     rotors = turning(scene)
-    dashpots = scene.all(Dashpot)
+    dashpots = _dashpots(scene)
     counts = {
         "bodies": len(scene.bodies),
         "springs": len(scene.all(Spring)),
@@ -100,7 +101,7 @@ def _numbers(scene: Scene, touches: list[Touch], rotors: Sequence[int]) -> dict[
         "mass": scene.bodies.mass,
         "gravity": np.sum(gravity, axis=0),
         "spring": _rows(scene, Spring),
-        "dashpot": _rows(scene, Dashpot),
+        "dashpot": [row_of(dashpot) for dashpot in _dashpots(scene)],
         "contact": [touch.numbers for touch in touches],
         "field": _rows(scene, PiecewiseField),
         "drive": _rows(scene, Force),
@@ -116,7 +117,7 @@ def _ends(scene: Scene, touches: list[Touch]) -> dict[str, Any]:
     """
     links: dict[str, Sequence[Link]] = {
         "spring_end": scene.all(Spring),
-        "dashpot_end": scene.all(Dashpot),
+        "dashpot_end": _dashpots(scene),
         "drive_end": scene.all(Force),
         "rod_end": scene.all(Rod),
     }
@@ -144,6 +145,11 @@ def _set_arrays(struct: Any, columns: dict[str, Any], kind: str, dtype: Any) -> 
 def _rows(scene: Scene, kind: type[Field | Push]) -> list[Row]:
     """The numbers of every element of that kind."""
     return [row_of(element) for element in scene.all(kind)]
+
+
+def _dashpots(scene: Scene) -> list[Dashpot | RotatingDashpot]:
+    """The dashpots of fluids at rest, then those of fluids that turn."""
+    return [*scene.all(Dashpot), *scene.all(RotatingDashpot)]
 
 
 def _touches(scene: Scene) -> list[Touch]:

@@ -19,6 +19,7 @@ from refdem.scene.elements.dashpot import Dashpot
 from refdem.scene.elements.force import Force
 from refdem.scene.elements.piecewise_field import PiecewiseField
 from refdem.scene.elements.rod import Rod
+from refdem.scene.elements.rotating_dashpot import RotatingDashpot
 from refdem.scene.elements.spring import Spring
 from refdem.scene.elements.uniform_gravity import UniformGravity
 
@@ -29,6 +30,7 @@ KNOWN = (
     Force,
     PiecewiseField,
     Rod,
+    RotatingDashpot,
     Spring,
     UniformGravity,
 )

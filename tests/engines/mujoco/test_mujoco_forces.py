@@ -31,6 +31,7 @@ FORCES = [
     ("van-der-pol", {"mu": "3/4", "duration": "4"}),
     ("two-body-orbit", {"eccentricity": "1/4", "gm": "2", "duration": "4"}),
     ("asymmetric-field", {}),
+    ("whirling-shaft", {"duration": "4"}),
 ]
 
 
