@@ -132,9 +132,7 @@ def _findings(
     return findings
 
 
-def _completed(
-    runs: Mapping[Variant, Run], read: Callable[[Run], Trajectory | None]
-) -> _Completed:
+def _completed(runs: Mapping[Variant, Run], read: Callable[[Run], Trajectory | None]) -> _Completed:
     """The runs of a task that did not fail."""
     return _Completed({variant: run for variant, run in runs.items() if run.failure is None}, read)
 
