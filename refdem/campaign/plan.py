@@ -63,7 +63,7 @@ class Task:
 
 
 def in_order(variants: Iterable[Variant]) -> tuple[Variant, ...]:
-    """These variants, and the plain runs on whose ends some of them go on, which come first."""
+    """Variants, each once, after the plain runs on whose ends some of them go on."""
     asked = list(variants)
     bases = [variant.base for variant in asked if variant.goes_on]
     return tuple(dict.fromkeys([*bases, *asked]))

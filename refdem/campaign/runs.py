@@ -66,7 +66,7 @@ class Runs:
         return found
 
     def with_more(self, more: "Runs") -> "Runs":
-        """These runs and more of the same tasks."""
+        """Runs of the same tasks: these, and more of them."""
         return Runs(
             by_place={**self.by_place, **more.by_place},
             spool=self.spool,

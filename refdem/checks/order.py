@@ -691,8 +691,8 @@ def _largest(scaled: Mapping[str, Array], common: int) -> float:
 
 
 def _counting_levels(subject: Subject, levels: tuple[float, ...]) -> tuple[list[float], int]:
-    """Those of the levels, coarse to fine, whose bound lies between 20 x round-off and a tenth of
-    the scale, and the number of samples that all of them score.
+    """The levels among these, coarse to fine, whose bound lies between 20 x round-off and a tenth
+    of the scale; and the number of samples that all of them score.
 
     Where the sensitivity takes every bound past a tenth before the end, levels are compared on the
     samples that the third finest scores, or the fourth finest where kinks scatter the errors. A

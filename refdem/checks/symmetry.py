@@ -261,7 +261,7 @@ class Level:
 
     @cached_property
     def plain(self) -> Trajectory:
-        """The plain run."""
+        """The plain run of the level."""
         return self.runs[Variant(self.level)].trajectory
 
     @cached_property
