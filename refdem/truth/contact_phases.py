@@ -89,6 +89,8 @@ class LinearContact(ABC):
     k: Number
     c: Number
     kt: Number
+    directions: int
+    """The directions in which the spheres move: 2 in the plane, 3 in space."""
 
     @property
     @abstractmethod
@@ -188,6 +190,8 @@ class PlanarPhases(LinearContact):
     A pair and a wall differ only in how the direction of the normal turns (`turning`) and in the
     position that a state stands for (`cartesian`).
     """
+
+    directions = 2
 
     @abstractmethod
     def turning(self, y: State, r: Any) -> Any:
