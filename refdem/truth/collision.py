@@ -142,8 +142,8 @@ class Collision(Guarded, Truth):
     def sensitivity(self, t: Fraction) -> float:
         """S(t), with the jump matrix at each event.
 
-        Where nothing slips friction is left out: a slip that a small displacement starts is soon
-        stuck again.
+        Where nothing slips friction acts on errors alone: a slip that an error starts at touch
+        stretches the tangential spring, or is stopped at once without one.
         """
         return self.proof.sensitivity(t)
 

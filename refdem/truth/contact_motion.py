@@ -9,7 +9,7 @@ from typing import Any
 from flint import arb, arb_mat
 
 from refdem.truth.balls import arb_of, precision, unit_matrix
-from refdem.truth.contact_phases import LinearContact
+from refdem.truth.contact_phases import LinearContact, PlanarPhases
 from refdem.truth.events.crossing import Along, SwitchError, Watched, first_crossing, sign
 from refdem.truth.events.motion import Followed, first_entry
 from refdem.truth.events.phase import Phase
@@ -153,7 +153,25 @@ class ContactMotion(Followed):
                 [(acts - flies) * slope / closing for slope in by_overlap]
                 for acts, flies in zip(in_contact, in_flight, strict=True)
             ]
-            return unit_matrix(size) + arb_mat(rows)
+            jump = unit_matrix(size) + arb_mat(rows)
+            if self.traced.phases.rests and not self.traced.phases.kt:
+                jump = self.slip_stopped(state) * jump
+            return jump
+
+    def slip_stopped(self, state: Sequence[arb]) -> arb_mat:
+        """What friction makes of an error at once where nothing slips and no spring gives way.
+
+        With the slip s and the rates d of the state by friction, 1 - d (grad s)^T/(grad s . d): the
+        impulse along d that stops the slip.
+        """
+        phases = self.traced.phases
+        assert isinstance(phases, PlanarPhases)
+        size = phases.size
+        along_friction = Program(traced(phases.by_friction, size)[0]).run(state)
+        by_state = traced_map(single(phases.slip), size)[1].run(state)
+        rate = sum((a * b for a, b in zip(by_state, along_friction, strict=True)), arb(0))
+        rows = [[d * slope / rate for slope in by_state] for d in along_friction]
+        return unit_matrix(size) - arb_mat(rows)
 
     def free_rates(self, name: str, state: Sequence[arb]) -> list[arb]:
         """The rates of a state in the coordinates of a mode of contact if nothing acted: places
