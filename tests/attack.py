@@ -20,6 +20,7 @@ from refdem.core.case import Instance
 from refdem.core.truth import Ball, Truth
 from refdem.truth import rotation
 from refdem.truth.balls import arb_of, ball_of, precision
+from refdem.truth.collision import Collision
 from tests.displaced import DIRECTIONS, SIZE, displaced_starts, everything
 from tests.two_truths import asked_at
 
@@ -27,7 +28,7 @@ MARGIN = 1e-6
 """The part by which a growth may exceed S: what is not linear in the displacement, in matrices
 whose condition is at most WORST.
 """
-WORST = 1e8
+WORST = 1e22
 LEFT = 1e-6
 """The part of a displacement that must be left at s for its growth since then to be compared."""
 LOOKS = int(os.environ.get("REFDEM_RANDOM_LOOKS", "4"))
@@ -164,17 +165,30 @@ class Attack:
         if given.get("member", case) in HIDDEN_STATE:
             self.state = list(self.truth.state)
             self.states = [np.array(self.starts).T]
+            self.made_at = [0]
         else:
             self.state = [name for name in self.read if self.is_of_state(name)]
             places = [self.read.index(name) for name in self.state]
             self.states = [answer[places] for answer in self.answers]
-            if case in WITH_SPRINGS:
-                self.states = self.states[:1]
+            self.made_at = [k for k, t in enumerate(self.times) if self.is_known_at(t)]
+
+    def is_known_at(self, t: Fraction) -> bool:
+        """True where the quantities are the whole state: no spring that they do not say is
+        stretched.
+        """
+        if t == 0 or self.case not in WITH_SPRINGS:
+            return True
+        if isinstance(self.truth, Collision) and not self.truth.phases.kt:
+            return True
+        scalars = self.truth.scalars()
+        return "duration" in scalars and t > scalars["duration"].mid
 
     def is_of_state(self, name: str) -> bool:
         """True for a coordinate of the state, False for what is read of it."""
         if self.case in BODIES:
             return name.split(".")[0] in ("turn", "omega_body")
+        if isinstance(self.truth, Collision):
+            return name in self.truth.counted()
         names = getattr(self.truth, "state", None)
         return not isinstance(names, tuple) or name in names
 
@@ -221,7 +235,11 @@ class Attack:
         """The largest growth from one time to another in all directions, where they are known."""
         count = len(self.state)
         alone = self.states[start][:, :count]
-        if len(self.starts) - DIRECTIONS != count:
+        if isinstance(self.truth, Collision):
+            alone_count = len(self.starts)
+        else:
+            alone_count = len(self.starts) - DIRECTIONS
+        if alone_count != count:
             return
         with precision(BITS):
             try:
@@ -235,10 +253,10 @@ class Attack:
 
     def growths(self, end: int) -> list[float]:
         """Growths up to a time, from all times before it."""
-        starts = range(min(end + 1, len(self.states)))
         return [
             growth
-            for start in starts
+            for start in self.made_at
+            if start <= end
             for growth in (*self.single(start, end), *self.worst(start, end))
         ]
 

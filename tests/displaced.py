@@ -2,6 +2,7 @@
 coordinate that can be moved, and along several at once.
 """
 
+import os
 import random
 from collections.abc import Mapping, Sequence
 from copy import copy
@@ -12,14 +13,16 @@ from typing import Any
 from refdem.core import discovery
 from refdem.core.case import Instance
 from refdem.core.truth import Ball
+from refdem.truth.collision import Collision
 from refdem.truth.from_rest import FromRest
+from tests.touching import touching_starts
 
-DIGITS = 40
-SIZE = Fraction(1, 10**15)
+DIGITS = 60
+SIZE = Fraction(1, 10**30)
 """Of a displacement, in scales: what is not linear in it is about as small a part of the answer."""
 DIRECTIONS = 2
 """Random directions of each start, besides those along its coordinates."""
-MOST_COORDINATES = 20
+MOST_COORDINATES = int(os.environ.get("REFDEM_RANDOM_COORDINATES", "20"))
 """The most coordinates that are all displaced; of more, FEW are drawn."""
 FEW = 8
 BY_PARAMETERS = {
@@ -150,6 +153,11 @@ def displaced_starts(
 ) -> tuple[list[Amounts], list[Any]]:
     """The displacements of the start of a case at the setting `given`, and a truth for each."""
     case = instance.case.id
+    if isinstance(truth, Collision):
+        moved = touching_starts(truth, SIZE, everything)
+        count = len(moved)
+        alone = [[Fraction(int(i == j)) for j in range(count)] for i in range(count)]
+        return alone, moved
     if is_displaced_itself(case, truth):
         starts = combinations(rng, len(truth.state))
         return starts, by_coordinates(truth, starts)

@@ -176,17 +176,31 @@ def standing(of: Instance, **columns: Any) -> Trajectory:
     return Trajectory(t=of.times, **(made | given), **more)
 
 
+def all_runs(
+    check: Check, subject: Subject, made: Callable[[Variant], CompletedRun]
+) -> dict[Variant, CompletedRun]:
+    """The runs that a check asks for, at first and in view of those, each of them `made`."""
+    runs: dict[Variant, CompletedRun] = {}
+    wanted = check.needs(subject)
+    while wanted:
+        for variant in wanted:
+            runs[variant] = made(variant)
+        asked = check.further(subject, runs)
+        wanted = tuple(variant for variant in asked if variant not in runs)
+    return runs
+
+
 def findings(
     check: Check, subject: Subject, run: Trajectory | Callable[[Variant], Trajectory]
 ) -> dict[str, Finding]:
     """What a check finds by quantity, where every run that it needs is `run`, or `run(variant)`."""
-    runs = {}
-    for variant in check.needs(subject):
+
+    def made(variant: Variant) -> CompletedRun:
         if isinstance(run, Trajectory):
-            made = run
-        else:
-            made = run(variant)
-        runs[variant] = CompletedRun(made, Cost(seconds=0.0))
+            return CompletedRun(run, Cost(seconds=0.0))
+        return CompletedRun(run(variant), Cost(seconds=0.0))
+
+    runs = all_runs(check, subject, made)
     return {finding.quantity: finding for finding in check.judge(subject, runs)}
 
 

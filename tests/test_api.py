@@ -190,3 +190,11 @@ def test_a_type_checker_sees_what_is_called(tmp_path: Path) -> None:
     assert done.returncode == 0, done.stdout
     for name in ("refdem.api.Judged", "refdem.core.truth.Truth", "refdem.api.Sampled"):
         assert name in done.stdout
+
+
+@pytest.mark.parametrize(("words", "status"), [(["--version"], 0), (["no-such-command"], 2)])
+def test_python_runs_the_package_as_the_command(words: list[str], status: int) -> None:
+    command = [sys.executable, "-m", "refdem", *words]
+    found = subprocess.run(command, capture_output=True, text=True, check=False)
+    assert found.returncode == status, found.stderr
+    assert "refdem" in found.stdout + found.stderr

@@ -45,7 +45,7 @@ SCALARS = {
     "m": ("max_overlap", "stop_position", "steady_amplitude", "top", "apex_1", "apex_2"),
     "m/s": ("roll_speed", "terminal_velocity", "rebound_across"),
     "rad": ("nutation_min", "nutation_max"),
-    "1/s": ("omega", "rebound_spin", "collision_frequency"),
+    "1/s": ("omega", "rebound_spin", "collision_frequency", "border", "growth_rate"),
     "s": (
         *("period", "duration", "impact_time", "last_impact_time", "first_bounce", "roll_time"),
         *("accumulation_time", "stop_time", "flip_time", "haff_time", "top_time"),

@@ -65,13 +65,15 @@ def record_of(
     variants: Iterable[Variant] = ()
     if task.unsupported is None:
         variants = task.variants
-    for variant in variants:
-        base = None
-        if variant.goes_on:
-            base = runs[variant.base].trajectory
-        is_possible = base is not None or not variant.goes_on
-        if is_possible and variant not in runs:
-            runs[variant] = run_of(task.engine, plan.request(task, variant, base))
+    while variants:
+        for variant in variants:
+            base = None
+            if variant.goes_on:
+                base = runs[variant.base].trajectory
+            is_possible = base is not None or not variant.goes_on
+            if is_possible and variant not in runs:
+                runs[variant] = run_of(task.engine, plan.request(task, variant, base))
+        variants = judging.further(task, runs)
     return judging.record(task, task.engine.version(), runs, list(deviations))
 
 

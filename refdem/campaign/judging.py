@@ -10,6 +10,7 @@ from dataclasses import dataclass
 
 import msgspec
 
+from refdem.campaign import plan
 from refdem.campaign.deviations import applied
 from refdem.campaign.plan import Task
 from refdem.core import symmetry
@@ -106,9 +107,7 @@ def _findings(
     if task.unsupported is not None:
         sentence = f"{task.unsupported[:1].upper()}{task.unsupported[1:]}."
         return [Finding(check="run", quantity="scene", outcome="unsupported", sentence=sentence)]
-    completed = _Completed(
-        {variant: run for variant, run in runs.items() if run.failure is None}, read
-    )
+    completed = _completed(runs, read)
     failed = {variant: run.failure for variant, run in runs.items() if run.failure is not None}
     refused = {variant for variant, failure in failed.items() if failure.kind == "unsupported"}
     permitted = {variant for variant in refused if _may_refuse(task, variant, runs[variant])}
@@ -119,22 +118,72 @@ def _findings(
         if variant not in permitted or not completed
     }
     findings = _failures(task, reported, ran=bool(completed))
-    # A check compares symmetric and perturbed runs with the plain one each by itself, so that it
-    # can judge without those that were refused.
-    dispensable = {
-        variant for variant in refused if variant.change in (*symmetry.NAMES, "perturbed")
-    }
+    dispensable = _dispensable(runs)
     for check in task.checks:
-        needed = check.needs(task.subject)
+        needed = _needed(task, check, completed, dispensable)
         if check.synchronous and task.method.velocity_time != "synchronous":
             reason = "the method reports velocities half a step before its positions"
             findings.append(undecided(check.name, "state", reason))
-        elif all(variant in completed or variant in dispensable for variant in needed):
+        elif completed.keys() | dispensable >= set(needed):
             findings += _judged(task, check, completed)
         if completed:
             changes = dict.fromkeys(variant.change for variant in needed if variant in permitted)
             findings += [_refused_variant(check, change, failed) for change in changes]
     return findings
+
+
+def _completed(runs: Mapping[Variant, Run], read: Callable[[Run], Trajectory | None]) -> _Completed:
+    """The runs of a task that did not fail."""
+    return _Completed({variant: run for variant, run in runs.items() if run.failure is None}, read)
+
+
+def _dispensable(runs: Mapping[Variant, Run]) -> set[Variant]:
+    """The variants without which a check can judge: symmetric and perturbed runs, each of which it
+    compares with the plain one by itself, where the engine refused them.
+    """
+    return {
+        variant
+        for variant, run in runs.items()
+        if run.failure is not None
+        and run.failure.kind == "unsupported"
+        and variant.change in (*symmetry.NAMES, "perturbed")
+    }
+
+
+def _needed(
+    task: Task, check: Check, completed: _Completed, dispensable: set[Variant]
+) -> tuple[Variant, ...]:
+    """The runs that a check needs: at first, and in view of those."""
+    needed = check.needs(task.subject)
+    if completed.keys() | dispensable >= set(needed):
+        return (*needed, *check.further(task.subject, completed))
+    return needed
+
+
+def further(
+    task: Task,
+    runs: Mapping[Variant, Run],
+    read: Callable[[Run], Trajectory | None] = lambda run: run.trajectory,
+) -> tuple[Variant, ...]:
+    """The runs that the checks of a task need in view of those that were tried, and that were not
+    tried yet; a run comes before those that go on from it.
+    """
+    completed = _completed(runs, read)
+    dispensable = _dispensable(runs)
+    needed: dict[Variant, None] = {}
+    for check in task.checks:
+        needed |= dict.fromkeys(_needed(task, check, completed, dispensable))
+    return tuple(
+        variant
+        for variant in plan.in_order(needed)
+        if variant not in runs and _is_possible(variant, runs)
+    )
+
+
+def _is_possible(variant: Variant, runs: Mapping[Variant, Run]) -> bool:
+    """False for a run that goes on from the end of one that failed."""
+    base = runs.get(variant.base)
+    return not variant.goes_on or base is None or base.failure is None
 
 
 _ERROR = Finding(check="run", quantity="trajectory", outcome="error", sentence="")

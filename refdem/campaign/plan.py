@@ -5,7 +5,7 @@ A *row* is an instance with a *subject* for each method of each engine; with its
 checks that apply, a subject becomes a *task*. A *variant* is one run of a task.
 """
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property, partial
 from typing import Any
@@ -53,14 +53,20 @@ class Task:
 
     @cached_property
     def variants(self) -> tuple[Variant, ...]:
-        """The union of the runs that the checks need; a run comes before those that go on from
-        it.
+        """The union of the runs that the checks need at first; a run comes before those that go on
+        from it.
         """
         needed: dict[Variant, None] = {}
         for check in self.checks:
             needed |= dict.fromkeys(check.needs(self.subject))
-        bases = [variant.base for variant in needed if variant.goes_on]
-        return tuple(dict.fromkeys([*bases, *needed]))
+        return in_order(needed)
+
+
+def in_order(variants: Iterable[Variant]) -> tuple[Variant, ...]:
+    """Variants, each once, after the plain runs on whose ends some of them go on."""
+    asked = list(variants)
+    bases = [variant.base for variant in asked if variant.goes_on]
+    return tuple(dict.fromkeys([*bases, *asked]))
 
 
 Supported = tuple[Subject, str | None]

@@ -16,7 +16,7 @@ def records(tasks: list[Task], runs: Runs, versions: Mapping[str, str]) -> list[
     judged = []
     for number, task in enumerate(tasks):
         name = task.engine.name
-        of_task = runs.of_task(number, task)
+        of_task = runs.of_task(number)
         read = Recent(runs).trajectory
         judged.append(judging.record(task, versions[name], of_task, expected[name], read))
     return judged

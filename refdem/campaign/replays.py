@@ -105,7 +105,7 @@ def _candidate(task: Task, record: Record, runs: Runs, number: int) -> Candidate
     """A task with its plain runs; `number` is that of the task in the plan."""
     plain = {
         variant.level: trajectory
-        for variant, run in runs.of_task(number, task, change="none").items()
+        for variant, run in runs.of_task(number, change="none").items()
         if (trajectory := runs.trajectory(run)) is not None
     }
     return Candidate(task=task, record=record, plain=plain)

@@ -6,11 +6,11 @@ Equal runs are made once, and unchanged ones are read from the store.
 import math
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
-from functools import partial
+from functools import cached_property, partial
 
 import msgspec
 
-from refdem.campaign import plan, worker
+from refdem.campaign import judging, plan, worker
 from refdem.campaign.plan import Task
 from refdem.campaign.schedule import Job, Progress, Scheduler, counted
 from refdem.campaign.spool import Spool
@@ -57,16 +57,29 @@ class Runs:
     made: int
     read: int
 
-    def of_task(self, number: int, task: Task, change: str | None = None) -> dict[Variant, Run]:
+    @cached_property
+    def by_task(self) -> Mapping[int, Mapping[Variant, Run]]:
+        """The same runs by the number of their task, and by variant."""
+        found: dict[int, dict[Variant, Run]] = {}
+        for (number, variant), run in self.by_place.items():
+            found.setdefault(number, {})[variant] = run
+        return found
+
+    def with_more(self, more: "Runs") -> "Runs":
+        """Runs of the same tasks: these, and more of them."""
+        return Runs(
+            by_place={**self.by_place, **more.by_place},
+            spool=self.spool,
+            made=self.made + more.made,
+            read=self.read + more.read,
+        )
+
+    def of_task(self, number: int, change: str | None = None) -> dict[Variant, Run]:
         """The runs of one task by variant, without their trajectories; `change`, if any, is that of
         the only variants. A run that goes on from one that failed is not there.
         """
-        runs = {}
-        for variant in task.variants:
-            run = self.by_place.get((number, variant))
-            if run is not None and change in (None, variant.change):
-                runs[variant] = run
-        return runs
+        runs = self.by_task.get(number, {})
+        return {v: run for v, run in runs.items() if change in (None, v.change)}
 
     def trajectory(self, run: Run) -> Trajectory | None:
         """The trajectory of one of these runs, unpacked anew; None if the run failed."""
@@ -304,32 +317,55 @@ def checked_reply(data: bytes) -> worker.Reply:
 
 
 def of_tasks(runner: Runner, tasks: list[Task], ulps: int) -> Runs:
-    """All runs of the tasks of a plan: those from the start, which `ulps` moves, and then those
-    that go on from the end of another.
+    """All runs of the tasks of a plan: those that their checks need at first, and then those that
+    they ask for in view of what came out, until they ask for no more.
+
+    `ulps` moves the start of every run; those that go on from the end of another have no start of
+    their own.
     """
     fingerprints = fingerprints_of(tasks)
-    first = runner.runs(_asked(tasks, fingerprints, ulps), "runs")
-    later = runner.runs(_asked(tasks, fingerprints, 0, first), "runs that go on")
-    return Runs(
-        by_place={**first.by_place, **later.by_place},
-        spool=runner.spool,
-        made=first.made + later.made,
-        read=first.read + later.read,
-    )
+    runs = Runs(by_place={}, spool=runner.spool, made=0, read=0)
+    wanted = {number: task.variants for number, task in enumerate(tasks)}
+    stage = "runs"
+    while any(wanted.values()):
+        from_start = _asked(tasks, wanted, fingerprints, ulps)
+        runs = runs.with_more(runner.runs(from_start, stage))
+        going_on = _asked(tasks, wanted, fingerprints, 0, runs)
+        runs = runs.with_more(runner.runs(going_on, f"{stage} that go on"))
+        wanted = _further(tasks, runs, wanted)
+        stage = "finer runs"
+    return runs
+
+
+def _further(
+    tasks: list[Task], runs: Runs, wanted: Mapping[int, tuple[Variant, ...]]
+) -> dict[int, tuple[Variant, ...]]:
+    """The variants that tasks ask for in view of their runs, by the number of the task.
+
+    Only those that wanted some before ask again: the others have seen all that they will see.
+    """
+    asked = {}
+    for number, variants in wanted.items():
+        if variants:
+            read = Recent(runs).trajectory
+            asked[number] = judging.further(tasks[number], runs.of_task(number), read)
+    return asked
 
 
 def _asked(
     tasks: list[Task],
+    wanted: Mapping[int, tuple[Variant, ...]],
     fingerprints: Mapping[tuple[str, str], str],
     ulps: int,
     first: Runs | None = None,
 ) -> list[Asked]:
-    """The runs that tasks need from the start, or those that go on from the end of a `first`
+    """The wanted runs of tasks from the start, or those that go on from the end of a `first`
     one.
     """
     needed = []
-    for number, task in enumerate(tasks):
-        for variant in task.variants:
+    for number, variants in wanted.items():
+        task = tasks[number]
+        for variant in variants:
             if variant.goes_on != (first is not None):
                 continue
             base = None

@@ -93,6 +93,18 @@ STARTED = 8 * MEMORY
 """Steps of a multistep method among which those that start it change an order by less than its
 tolerance.
 """
+NEAR = 0.25
+"""Distance of a mean order from the claimed one at which the levels of the plan decide, if the
+errors lie on a line.
+"""
+ON_A_LINE = 0.1
+"""Standard deviation of a mean order, from the residuals of the errors, up to which they do.
+
+Of errors that kinks scatter by an octave, four have residuals as small once in 20, and with an
+order that is lower by 1 a mean as near to the claim once in 20 of these.
+"""
+FEWEST = 4
+"""Levels that such a mean is taken over."""
 WHOLE_ORDER = 0.25
 """Largest distance of an observed order from the whole number that it is taken for."""
 
@@ -139,20 +151,58 @@ class Order(Check):
         return f"the step control of the method is {subject.method.control}, not a fixed step"
 
     def needs(self, subject: Subject) -> tuple[Variant, ...]:
-        """The plain run of every level, and of finer ones where one pair shows little."""
-        return tuple(
-            Variant(level)
-            for level in order_levels(subject.instance, subject.method, subject.levels)
-        )
+        """The plain run of every level."""
+        return subject.plain
+
+    def further(
+        self, subject: Subject, runs: Mapping[Variant, CompletedRun]
+    ) -> tuple[Variant, ...]:
+        """Finer levels where kinks scatter the errors, unless the others show the order."""
+        levels = order_levels(subject.instance, subject.method, subject.levels)
+        finer = tuple(map(Variant, levels[len(subject.levels) :]))
+        if not finer or certified(subject) is None or self._is_shown(subject, runs):
+            return ()
+        return finer
+
+    def _is_shown(self, subject: Subject, runs: Mapping[Variant, CompletedRun]) -> bool:
+        """True if the levels of the plan pass, and either show no error or errors on a line of the
+        claimed order.
+        """
+        findings = self._findings(subject, runs, subject.levels)
+        if any(finding.outcome != "pass" for finding in findings):
+            return False
+        if findings[0].order_seen is None:
+            return True
+        truth = certified(subject)
+        assert truth is not None
+        errors_at = _errors_at_levels(subject, runs, truth, subject.levels)
+        counting, common = _counting_levels(subject, subject.levels)
+        largest = [_largest(errors_at[h], common) for h in counting]
+        if len(counting) < FEWEST or min(largest) <= 0.0:
+            return False
+        slope, _, from_residuals = mean_order(counting, largest)
+        return abs(slope - subject.order) <= NEAR and from_residuals <= ON_A_LINE
 
     def judge(self, subject: Subject, runs: Mapping[Variant, CompletedRun]) -> list[Finding]:
         """The finding `state`, of the observed order; and `growth`, if errors can be seen to rise
         or fall.
         """
-        truth = certified(subject)
-        if truth is None:
+        if certified(subject) is None:
             return [undecided(self.name, "state", no_truth(subject))]
-        errors_at = _errors_at_levels(subject, runs, truth)
+        levels = order_levels(subject.instance, subject.method, subject.levels)
+        made = tuple(level for level in levels if Variant(level) in runs)
+        return self._findings(subject, runs, made)
+
+    def _findings(
+        self,
+        subject: Subject,
+        runs: Mapping[Variant, CompletedRun],
+        levels: tuple[float, ...],
+    ) -> list[Finding]:
+        """The findings from the runs of these levels; the subject has truth."""
+        truth = certified(subject)
+        assert truth is not None
+        errors_at = _errors_at_levels(subject, runs, truth, levels)
         if not errors_at[subject.levels[0]]:
             return [undecided(self.name, "state", MIXED)]
         state = self._state(subject, runs, truth, errors_at)
@@ -171,11 +221,10 @@ class Order(Check):
         errors the order is that of the last pairs (`_deficit`), the mean over all levels where
         kinks scatter them (`_mean`), or none, where all are round-off (`_nothing_left`).
         """
-        counting, common = _counting_levels(subject)
+        counting, common = _counting_levels(subject, tuple(errors_at))
         if len(counting) < 3:
-            levels = len(self.needs(subject))
             why = (
-                f"only {len(counting)} of {levels} refinement levels are usable (bound"
+                f"only {len(counting)} of {len(errors_at)} refinement levels are usable (bound"
                 " between 20 x round-off and 0.1 of the scale, step shorter than the motion);"
                 " 3 are needed"
             )
@@ -625,12 +674,14 @@ def _declaration_hint(subject: Subject, slope: float) -> str:
 
 
 def _errors_at_levels(
-    subject: Subject, runs: Mapping[Variant, CompletedRun], truth: SampledTruth
+    subject: Subject,
+    runs: Mapping[Variant, CompletedRun],
+    truth: SampledTruth,
+    levels: tuple[float, ...],
 ) -> Seen:
-    """Scaled errors of every quantity, at every level from which an order is read; beside an impact
-    those of a velocity against either side of it.
+    """Scaled errors of every quantity at these levels, coarse to fine; beside an impact those of a
+    velocity against either side of it.
     """
-    levels = order_levels(subject.instance, subject.method, subject.levels)
     return {h: errors_of(subject, h, runs[Variant(h)].trajectory, truth) for h in levels}
 
 
@@ -639,9 +690,9 @@ def _largest(scaled: Mapping[str, Array], common: int) -> float:
     return max(float(np.max(error[:common])) for error in scaled.values())
 
 
-def _counting_levels(subject: Subject) -> tuple[list[float], int]:
-    """Levels whose bound lies between 20 x round-off and a tenth of the scale, and the number of
-    samples that all of them score.
+def _counting_levels(subject: Subject, levels: tuple[float, ...]) -> tuple[list[float], int]:
+    """The levels among these, coarse to fine, whose bound lies between 20 x round-off and a tenth
+    of the scale; and the number of samples that all of them score.
 
     Where the sensitivity takes every bound past a tenth before the end, levels are compared on the
     samples that the third finest scores, or the fourth finest where kinks scatter the errors. A
@@ -649,7 +700,6 @@ def _counting_levels(subject: Subject) -> tuple[list[float], int]:
     """
     truth = subject.truth
     assert truth is not None
-    levels = order_levels(subject.instance, subject.method, subject.levels)
     scored_samples = {h: scored(subject.bound(h)) for h in levels}
     if kinked(subject.instance, subject.method):
         n_finer = 3

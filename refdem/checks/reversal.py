@@ -32,6 +32,10 @@ from refdem.mechanics.quaternion import angle_between
 
 CANCELLING = 0.5
 """Order beyond the claimed one with which an error falls where its leading terms cancel."""
+SHARP = 1e-3
+"""A bound on the return error, as a part of the scale, with which the finest level of the plan
+decides: a motion that came back so closely was reversed.
+"""
 MAX_RETURN_HALVINGS = 4
 """Halvings of the finest step that are tried for the way back: errors grow on both ways, so a
 motion may be predictable forward and not back.
@@ -57,40 +61,67 @@ class Reversal(Check):
         return "the final state of the method is incomplete, so a run cannot be continued from it"
 
     def needs(self, subject: Subject) -> tuple[Variant, ...]:
-        """One level plain, reversed, and backward where the method can; the two finest levels
-        reversed where the defect has an order.
+        """The finest level plain, reversed, and backward where the method can; the two finest
+        levels reversed where the defect has an order.
         """
-        if subject.method.backward:
-            changes: tuple[Change, ...] = ("reversed", "backward")
-        else:
-            changes = ("reversed",)
-        level = _judged_level(subject)
         if _has_order(subject):
             pair = subject.levels[-2:]
         else:
             pair = ()
-        compared = Variant(_compared_level(subject, level))
         variants = (
-            Variant(level),
-            compared,
-            *(Variant(level, change) for change in changes),
+            *_both_ways(subject, subject.levels[-1]),
             *(Variant(h) for h in pair),
             *(Variant(h, "reversed") for h in pair),
         )
         return tuple(dict.fromkeys(variants))
 
+    def further(
+        self, subject: Subject, runs: Mapping[Variant, CompletedRun]
+    ) -> tuple[Variant, ...]:
+        """The same at the level of `_predictable_level`, unless the finest of the plan decides."""
+        level = _predictable_level(subject)
+        if level == subject.levels[-1] or self._is_decided(subject, runs):
+            return ()
+        return _both_ways(subject, level)
+
+    def _is_decided(self, subject: Subject, runs: Mapping[Variant, CompletedRun]) -> bool:
+        """True if the finest level of the plan passes, with bounds that are SHARP, and the order of
+        the defect is seen or the defect is round-off.
+        """
+        level = subject.levels[-1]
+        findings = {one.quantity: one for one in self._findings(subject, runs, level)}
+        if any(one.outcome != "pass" for one in findings.values()):
+            return False
+        back = findings.get("reversed")
+        if back is None or back.bound is None or back.bound > SHARP:
+            return False
+        truth = certified(subject)
+        assert truth is not None
+        round_off = subject.floor(level) * float(truth.growth()[-1]) ** 2
+        is_round_off = back.value is not None and back.value <= round_off
+        return is_round_off or not _has_order(subject) or "order" in findings
+
     def judge(self, subject: Subject, runs: Mapping[Variant, CompletedRun]) -> list[Finding]:
         """The return defect against its bound, and, for methods that are not reversible, the order
         with which it falls.
         """
-        truth = certified(subject)
-        if truth is None:
+        if certified(subject) is None:
             return [undecided(self.name, "return", no_truth(subject))]
-        level = _judged_level(subject)
+        level = _predictable_level(subject)
+        if Variant(level, "reversed") not in runs:
+            level = subject.levels[-1]
+        return self._findings(subject, runs, level)
+
+    def _findings(
+        self, subject: Subject, runs: Mapping[Variant, CompletedRun], level: float
+    ) -> list[Finding]:
+        """The findings of a level that was run both ways; the subject has truth."""
+        truth = certified(subject)
+        assert truth is not None
         growth = float(truth.growth()[-1])
         findings: list[Finding] = []
         if _has_order(subject) and len(subject.levels) > 1:
-            findings = self._order(subject, runs, growth)
+            findings = self._order(subject, runs, level, growth)
         bound, basis = _return_bound(subject, runs, level, growth)
         if bound > HORIZON:
             why = (
@@ -98,8 +129,8 @@ class Reversal(Check):
                 " longer than the predictability horizon"
             )
             return findings or [undecided(self.name, "return", why)]
-        for variant in self.needs(subject):
-            if variant.level == level and variant.goes_on:
+        for variant in _both_ways(subject, level):
+            if variant.goes_on:
                 findings.append(
                     judged(
                         check=self.name,
@@ -117,10 +148,14 @@ class Reversal(Check):
         return findings
 
     def _order(
-        self, subject: Subject, runs: Mapping[Variant, CompletedRun], growth: float
+        self,
+        subject: Subject,
+        runs: Mapping[Variant, CompletedRun],
+        level: float,
+        growth: float,
     ) -> list[Finding]:
-        """The finding on the order of the return defect over the two finest levels that are run
-        back: p if p is odd, p + 1 if p is even.
+        """The finding on the order of the return defect between a level and the next coarser one
+        that is run back: p if p is odd, p + 1 if p is even.
 
         The leading error term of even order is undone on the way back. There is no finding where
         the defect is at round-off, or below the next term of the error.
@@ -130,7 +165,7 @@ class Reversal(Check):
             expected = order
         else:
             expected = order + 1
-        run_back = {*subject.levels[-2:], _judged_level(subject)}
+        run_back = {*subject.levels[-2:], level}
         finest, coarser = sorted(run_back)[:2]
         coarse, fine = (
             _defect(subject, runs[Variant(h, "reversed")].trajectory, "reversed")
@@ -322,6 +357,21 @@ def _defect_from_observed_error(
     return _defect_bound(subject, reached * amplification, reached)
 
 
+def _both_ways(subject: Subject, level: float) -> tuple[Variant, ...]:
+    """A level plain, reversed, and backward where the method can; and the plain run whose error is
+    compared.
+    """
+    back: tuple[Change, ...] = ("reversed",)
+    if subject.method.backward:
+        back = ("reversed", "backward")
+    variants = (
+        Variant(level),
+        Variant(_compared_level(subject, level)),
+        *(Variant(level, change) for change in back),
+    )
+    return tuple(dict.fromkeys(variants))
+
+
 def _compared_level(subject: Subject, level: float) -> float:
     """The level whose observed error stands for that of the way back.
 
@@ -332,9 +382,9 @@ def _compared_level(subject: Subject, level: float) -> float:
     return level
 
 
-def _judged_level(subject: Subject) -> float:
-    """The level that is judged: the finest h, or the first of h/2, h/4, ...,
-    h/2^MAX_RETURN_HALVINGS at which the way back is predictable.
+def _predictable_level(subject: Subject) -> float:
+    """The level that decides if the finest one does not: the finest h, or the first of h/2, h/4,
+    ..., h/2^MAX_RETURN_HALVINGS at which the way back is predictable.
 
     It is predictable where the defect that the method claims is at most HORIZON, a tenth of the
     scale. Where it is so at none of these levels the finest of the plan is taken.

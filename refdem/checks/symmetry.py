@@ -5,7 +5,10 @@ An *image* of the scene is the scene after such a transformation. The run of an 
 back, must agree with the plain run to round-off. No truth is needed.
 """
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from typing import NamedTuple
 
 import numpy as np
 
@@ -40,8 +43,8 @@ SWITCHES = frozenset({"contact", "friction", "catch", "wedge"})
 """Elements that switch discontinuously: where the switch falls on the end of a step, rounding
 decides in which step it happens.
 """
-DRAWS = (-64, 16, -16, 1, -1)
-"""Further perturbations of the start, in units of `perturbation`/64, where rounding may decide.
+DRAWS = (16, -16, 1, -1)
+"""Further perturbations of the start, in units of `perturbation`/64, where rounding decides.
 
 A decision that rounding makes lies within a rounding of a threshold, so of two starts on either
 side of it, by more than a rounding, one decides otherwise. The small ones are for motions that grow
@@ -82,87 +85,116 @@ class Symmetry(Check):
         ]
 
     def needs(self, subject: Subject) -> tuple[Variant, ...]:
-        """One level plain, in every image, and with perturbed starts: several where rounding may
-        decide.
-
-        Where truncation error may depend on the axes of space, the rotated image runs at a second
-        level too, since such an error falls with the step.
+        """The first level plain, with its start perturbed, and in every image; the looser
+        tolerances where the engine chooses its steps.
         """
-        level = level_for(subject)
-        images = tuple(Variant(level, name) for name in self._shown(subject))  # type: ignore[arg-type]
-        extra: tuple[Variant, ...] = ()
-        if _has_axes(subject) and Variant(level, "rotated") in images:
-            second_level = _second_level(subject)
-            extra = (Variant(second_level), Variant(second_level, "rotated"))
-        if _rounding_decides(subject) and subject.method.control == "step":
-            extra = (*extra, *_further_perturbations(subject, level), *_coarser_run(subject))
-        elif subject.method.control == "tolerance":
-            extra = tuple(Variant(looser) for looser in subject.levels[:-1])
+        level = _first_level(subject)
+        looser: tuple[Variant, ...] = ()
+        if subject.method.control == "tolerance":
+            looser = tuple(map(Variant, subject.levels[:-1]))
         return (
             Variant(level),
-            Variant(level, "perturbed", perturbation(subject.method)),
-            *images,
-            *extra,
+            *_perturbed_starts(subject, level),
+            *_images(level, self._shown(subject)),
+            *looser,
         )
+
+    def further(
+        self, subject: Subject, runs: Mapping[Variant, CompletedRun]
+    ) -> tuple[Variant, ...]:
+        """Where images differ by more than round-off at the first level: those at the finest.
+
+        Truncation error may depend on the axes of space; then it falls with the step. A rounding
+        may decide in which step a contact begins; more perturbed starts then show what it changes.
+        """
+        if subject.method.control != "step":
+            return ()
+        level = subject.levels[-1]
+        coarse = Level(subject, runs, _first_level(subject))
+        differing = [name for name in self._shown(subject) if not coarse.agrees_with(name)]
+        if not _rounding_decides(subject):
+            if "rotated" in differing and _has_axes(subject):
+                return (Variant(level), *_images(level, ["rotated"]))
+            return ()
+        if not differing:
+            return ()
+        images = (
+            Variant(level),
+            *_perturbed_starts(subject, level),
+            *_images(level, differing),
+        )
+        fine = Level(subject, runs, level)
+        if all(fine.agrees_with(name) for name in differing):
+            return images
+        return (*images, *_further_perturbations(subject, level), *_coarser_run(subject))
 
     def judge(self, subject: Subject, runs: Mapping[Variant, CompletedRun]) -> list[Finding]:
         """One finding for each symmetry: the largest difference of any state, in units of each
         scale.
         """
-        plain, perturbed, *others = self.needs(subject)
-        growth = growth_of(subject, _least_moved(subject, runs, perturbed), runs[plain].trajectory)
+        first = Level(subject, runs, _first_level(subject))
+        last = Level(subject, runs, level_for(subject))
         findings = []
-        for variant in others:
-            is_image = variant.level == plain.level and variant.change in symmetry.NAMES
+        for name in self._shown(subject):
             # An engine may refuse an image only when it runs.
-            if is_image and variant in runs:
-                findings.append(self._image(subject, runs, variant, growth))
+            if first.level != last.level and first.agrees_with(name):
+                findings.append(self._agreement(first, name))
+            elif last.image(name) is not None:
+                findings.append(self._image(last, name))
         return findings or [
             undecided(
                 self.name, "any", "the engine refused every symmetry of the scene during the run"
             )
         ]
 
-    def _image(
-        self,
-        subject: Subject,
-        runs: Mapping[Variant, CompletedRun],
-        variant: Variant,
-        growth: Array,
-    ) -> Finding:
-        """The finding that the run of an image, transformed back, is the plain run; `growth` (T,)
-        is that of errors.
+    def _agreement(self, level: "Level", name: str) -> Finding:
+        """The finding that an image, transformed back, is the plain run to round-off."""
+        difference, _, rounding = level.compared(name)
+        difference = np.minimum(difference, level.least_beside_impacts(name, rounding))
+        return self._difference(level.subject, name, difference, rounding, ONLY)
+
+    def _image(self, level: "Level", name: str) -> Finding:
+        """The finding that an image, transformed back, is the plain run, but for what a rounding
+        may decide.
         """
-        base = runs[Variant(variant.level)].trajectory
-        view = symmetry.of(subject.instance, variant.change)
-        difference = distances(subject.instance, view.undone(runs[variant].trajectory), base)
-        if variant.change == "rotated":
-            growth = np.maximum(growth, _growth_across(subject))
-        rounding = round_off(subject, view) * growth
-        decided = _decided_by_rounding(subject, runs, growth, variant.change)
-        if _flips_nothing(subject, runs, difference, rounding):
+        subject = level.subject
+        compared = level.compared(name)
+        growth = compared.growth
+        decided = _decided_by_rounding(subject, level.runs, growth, name)
+        if _flips_nothing(subject, level.runs, compared.difference, compared.rounding):
             decided = np.zeros(len(growth))
-        bounds = rounding + decided
-        difference = np.minimum(
-            difference, _least_beside_impacts(subject, runs, variant, base, bounds)
-        )
+        bounds = compared.rounding + decided
+        difference = np.minimum(compared.difference, level.least_beside_impacts(name, bounds))
         count = scored(bounds)
         if count < 2:
             why = "round-off may exceed a tenth of the scale before the second sample"
-            return undecided(self.name, variant.change, why)
+            return undecided(self.name, name, why)
         exceeds = bool(np.any(difference[:count] > bounds[:count]))
-        if variant.change == "rotated" and _has_axes(subject) and exceeds:
-            return self._rotated(subject, runs, growth, decided)
+        if exceeds and name == "rotated" and _has_axes(subject):
+            return self._rotated(subject, level.runs, growth, decided)
+        return self._difference(
+            subject, name, difference[:count], bounds[:count], _differs(subject)
+        )
+
+    def _difference(
+        self, subject: Subject, name: str, difference: Array, bounds: Array, differs: str
+    ) -> Finding:
+        """The finding on a difference (T,) of an image; `differs` says in words what its bounds
+        (T,) allow.
+        """
         return worst(
             check=self.name,
-            quantity=variant.change,
-            t=subject.instance.times[:count],
-            values=difference[:count],
-            allowed=bounds[:count],
+            quantity=name,
+            t=subject.instance.times[: len(bounds)],
+            values=difference,
+            allowed=bounds,
             unit="1",
-            basis=_basis(subject),
+            basis=(
+                f"the laws of mechanics are invariant, so only {differs} amplified by the motion"
+                " may differ"
+            ),
             what=(
-                f"The difference between the motion and its {variant.change} counterpart,"
+                f"The difference between the motion and its {name} counterpart,"
                 " relative to each scale,"
             ),
         )
@@ -209,29 +241,89 @@ class Symmetry(Check):
         )
 
 
-def _least_beside_impacts(
-    subject: Subject,
-    runs: Mapping[Variant, CompletedRun],
-    variant: Variant,
-    base: Trajectory,
-    bounds: Array,
-) -> Array:
-    """The smallest difference (T,) of an image from the plain run, either of them as it may be
-    seen beside its impacts, where a rounding decides on which side of the impact a sample is;
-    infinite without certified impacts.
-
-    `bounds` (T,) is by how much the states of both may differ.
+class Compared(NamedTuple):
+    """An image beside the plain run: the difference (T,) of their states in units of the scales,
+    the growth (T,) of errors, and the round-off (T,) of both runs, which has grown.
     """
-    least = np.full(len(base.t), np.inf)
-    truth = certified(subject)
-    if truth is None or not has_crossings(subject.instance.scene):
+
+    difference: Array
+    growth: Array
+    rounding: Array
+
+
+@dataclass(frozen=True, eq=False)
+class Level:
+    """The runs of one level of a subject: plain, from perturbed starts, and in images."""
+
+    subject: Subject
+    runs: Mapping[Variant, CompletedRun]
+    level: float
+
+    @cached_property
+    def plain(self) -> Trajectory:
+        """The plain run of the level."""
+        return self.runs[Variant(self.level)].trajectory
+
+    @cached_property
+    def growth(self) -> Array:
+        """Growth (T,) of an early error: see `growth_of`."""
+        moved = _least_moved(self.subject, self.runs, self.level)
+        return growth_of(self.subject, self.level, moved, self.plain)
+
+    def image(self, name: str) -> Trajectory | None:
+        """The run of an image, transformed back; None if it was not made, or refused."""
+        run = self.runs.get(Variant(self.level, name))  # type: ignore[arg-type]
+        if run is None:
+            return None
+        return symmetry.of(self.subject.instance, name).undone(run.trajectory)
+
+    def compared(self, name: str) -> Compared:
+        """An image, which was run, beside the plain run."""
+        image = self.image(name)
+        assert image is not None
+        growth = self.growth
+        if name == "rotated":
+            growth = np.maximum(growth, _growth_across(self.subject))
+        view = symmetry.of(self.subject.instance, name)
+        rounding = round_off(self.subject, self.level, view) * growth
+        difference = distances(self.subject.instance, image, self.plain)
+        return Compared(difference, growth, rounding)
+
+    def agrees_with(self, name: str) -> bool:
+        """True if an image, transformed back, is the plain run to round-off at every sample, and
+        round-off leaves something to see at each.
+        """
+        if Variant(self.level) not in self.runs or self.image(name) is None:
+            return False
+        difference, _, rounding = self.compared(name)
+        if scored(rounding) < len(rounding):
+            return False
+        if np.any(difference > rounding):
+            difference = np.minimum(difference, self.least_beside_impacts(name, rounding))
+        return bool(np.all(difference <= rounding))
+
+    def least_beside_impacts(self, name: str, bounds: Array) -> Array:
+        """The smallest difference (T,) of an image from the plain run, either of them as it may be
+        seen beside its impacts, where a rounding decides on which side of the impact a sample is;
+        infinite without certified impacts.
+
+        `bounds` (T,) is by how much the states of both may differ.
+        """
+        least = np.full(len(self.plain.t), np.inf)
+        subject = self.subject
+        truth = certified(subject)
+        image = self.image(name)
+        if truth is None or image is None or not has_crossings(subject.instance.scene):
+            return least
+        for run, other in ((self.plain, image), (image, self.plain)):
+            for seen in nearest_velocities(subject, self.level, run, truth, bounds):
+                least = np.minimum(least, distances(subject.instance, seen, other))
         return least
-    view = symmetry.of(subject.instance, variant.change)
-    image = view.undone(runs[variant].trajectory)
-    for run, other in ((base, image), (image, base)):
-        for seen in nearest_velocities(subject, variant.level, run, truth, bounds):
-            least = np.minimum(least, distances(subject.instance, seen, other))
-    return least
+
+
+def _images(level: float, names: Iterable[str]) -> tuple[Variant, ...]:
+    """The images of these names at a level."""
+    return tuple(Variant(level, name) for name in names)  # type: ignore[arg-type]
 
 
 def _rotation_difference(
@@ -253,12 +345,13 @@ def _has_axes(subject: Subject) -> bool:
     return turns and subject.method.control == "step" and len(subject.levels) > 1
 
 
-def _second_level(subject: Subject) -> float:
-    """The level to compare with that of `level_for`: the other end of the ladder of steps."""
-    is_finest = level_for(subject) == subject.levels[-1]
-    if is_finest:
-        return subject.levels[0]
-    return subject.levels[-1]
+def _first_level(subject: Subject) -> float:
+    """The level at which images are compared first: the coarsest, as runs that agree there to
+    round-off agree best of all; the tightest tolerance where the engine chooses its steps.
+    """
+    if subject.method.control == "tolerance":
+        return subject.levels[-1]
+    return subject.levels[0]
 
 
 def level_for(subject: Subject) -> float:
@@ -270,7 +363,7 @@ def level_for(subject: Subject) -> float:
     return subject.levels[0]
 
 
-def growth_of(subject: Subject, perturbed: Trajectory, base: Trajectory) -> Array:
+def growth_of(subject: Subject, level: float, perturbed: Trajectory, base: Trajectory) -> Array:
     """Growth of an early error (T,): S of the truth, or the growth of the perturbed start.
 
     S is that of the true motion. A run that has left it, as one whose steps are too long for a
@@ -281,7 +374,7 @@ def growth_of(subject: Subject, perturbed: Trajectory, base: Trajectory) -> Arra
     if truth is None or truth.until != len(base.t):
         return observed
     growth = truth.growth()
-    departure = followed(subject, level_for(subject), base, truth)
+    departure = followed(subject, level, base, truth)
     combined: Array = np.concatenate([growth[:departure], np.maximum(growth, observed)[departure:]])
     return combined
 
@@ -296,8 +389,8 @@ def _growth_across(subject: Subject) -> Array:
     return growth_across(subject.instance, listed(truth.scalars))
 
 
-def round_off(subject: Subject, view: symmetry.Symmetry) -> float:
-    """Round-off of both runs, with numbers as large as the symmetry makes them.
+def round_off(subject: Subject, level: float, view: symmetry.Symmetry) -> float:
+    """Round-off of both runs of a level, with numbers as large as the symmetry makes them.
 
     A method that does not claim to conserve momentum may find velocities from differences of
     places, as Stoermer's rule does: v = (r' - r)/h. There a rounding u r of a place becomes u r/h,
@@ -306,7 +399,6 @@ def round_off(subject: Subject, view: symmetry.Symmetry) -> float:
     In other units the moments of inertia are rounded anew, which for a very slender body is a
     visible change.
     """
-    level = level_for(subject)
     rounding = 2 * subject.noise(level) * symmetry.size(subject.instance, view)
     if subject.method.control == "step" and "momentum" not in subject.method.conserves:
         rounding *= 1.0 + subject.instance.scales.tau / level
@@ -319,10 +411,22 @@ def allowed(subject: Subject, view: symmetry.Symmetry, growth: Array) -> Array:
     """Bound (T,) from round-off of both runs, plus truncation where a branch may flip, for images
     without perturbed runs.
     """
-    error = np.full_like(growth, round_off(subject, view))
+    level = level_for(subject)
+    error = np.full_like(growth, round_off(subject, level, view))
     if _rounding_decides(subject):
-        error += 2 * subject.truncation(level_for(subject))
+        error += 2 * subject.truncation(level)
     return error * growth
+
+
+def _perturbed_starts(subject: Subject, level: float) -> tuple[Variant, ...]:
+    """The start perturbed by `perturbation`; both ways where a rounding may decide, as what it
+    decides in one of them is no growth.
+    """
+    amount = perturbation(subject.method)
+    upwards = Variant(level, "perturbed", amount)
+    if _rounding_decides(subject) and subject.method.control == "step":
+        return (upwards, Variant(level, "perturbed", -amount))
+    return (upwards,)
 
 
 def _further_perturbations(subject: Subject, level: float) -> tuple[Variant, ...]:
@@ -402,7 +506,11 @@ def _differences_of_perturbed_starts(
     subject: Subject, runs: Mapping[Variant, CompletedRun], base: Trajectory
 ) -> list[Array]:
     """Difference (T,) of every run from a perturbed start to the plain run."""
-    variants = _perturbed_variants(subject, level_for(subject))
+    level = level_for(subject)
+    variants = (
+        *_perturbed_starts(subject, level),
+        *_further_perturbations(subject, level),
+    )
     return [
         distances(subject.instance, runs[variant].trajectory, base)
         for variant in variants
@@ -507,16 +615,16 @@ def _difference_of_step_choices(
 
 
 def _least_moved(
-    subject: Subject, runs: Mapping[Variant, CompletedRun], perturbed: Variant
+    subject: Subject, runs: Mapping[Variant, CompletedRun], level: float
 ) -> Trajectory:
     """The run from the start perturbed upwards, or downwards if that went less far: what rounding
     decides in one of them is no growth.
 
     An engine may refuse perturbed starts: then the plain run.
     """
-    base = runs[Variant(perturbed.level)].trajectory
-    down = Variant(perturbed.level, "perturbed", -perturbed.amount)
-    perturbed_runs = [runs[variant].trajectory for variant in (perturbed, down) if variant in runs]
+    base = runs[Variant(level)].trajectory
+    variants = _perturbed_starts(subject, level)
+    perturbed_runs = [runs[variant].trajectory for variant in variants if variant in runs]
     return min(
         perturbed_runs,
         key=lambda run: float(np.max(distances(subject.instance, run, base))),
@@ -524,22 +632,15 @@ def _least_moved(
     )
 
 
-def _perturbed_variants(subject: Subject, level: float) -> tuple[Variant, ...]:
-    """The perturbed variants of a level: `perturbation`, and all DRAWS."""
-    return (
-        Variant(level, "perturbed", perturbation(subject.method)),
-        *_further_perturbations(subject, level),
-    )
+ONLY = "round-off"
+"""What differs where no decision is left to a rounding."""
 
 
-def _basis(subject: Subject) -> str:
-    """The basis of the bound in words."""
-    differs = "round-off"
+def _differs(subject: Subject) -> str:
+    """What may differ, in words."""
     if _rounding_decides(subject):
-        differs = "round-off, and discrete decisions that it flips in perturbed starts,"
-    return (
-        f"the laws of mechanics are invariant, so only {differs} amplified by the motion may differ"
-    )
+        return f"{ONLY}, and discrete decisions that it flips in perturbed starts,"
+    return ONLY
 
 
 def _rounding_decides(subject: Subject) -> bool:

@@ -147,6 +147,8 @@ def show(tasks: "Iterable[Task]") -> None:
     """
     left_out: dict[str, list[str]] = {}
     refused: dict[str, list[str]] = {}
+    from refdem.core.check import Check
+
     for task in tasks:
         title = f"  {task.engine.name}/{task.method.name}"
         if task.unsupported is not None:
@@ -163,6 +165,9 @@ def show(tasks: "Iterable[Task]") -> None:
             f"{title}: {len(task.variants)} runs; levels: {levels}\n      checks:"
             f" {', '.join(check.name for check in task.checks)}"
         )
+        asking = [check.name for check in task.checks if type(check).further is not Check.further]
+        if asking:
+            print(f"      finer runs only where these do not decide: {', '.join(asking)}")
         for name, reason in task.left_out.items():
             left_out.setdefault(f"{name}: {reason}", []).append(task.method.name)
     for reason, methods in left_out.items():

@@ -176,6 +176,17 @@ class Check(ABC):
     def needs(self, subject: Subject) -> tuple[Variant, ...]:
         """The runs that `judge` will read."""
 
+    def further(
+        self, subject: Subject, runs: Mapping[Variant, CompletedRun]
+    ) -> tuple[Variant, ...]:
+        """The runs that `judge` will read besides, in view of those that are made: none where they
+        decide.
+
+        `runs` has those of `needs`, and what was asked for here before. It is asked again until it
+        names no new ones.
+        """
+        return ()
+
     @abstractmethod
     def judge(self, subject: Subject, runs: Mapping[Variant, CompletedRun]) -> list[Finding]:
         """The findings; none where the runs do not write what it judges."""

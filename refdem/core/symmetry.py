@@ -26,7 +26,7 @@ from refdem.core.trajectory import Trajectory
 from refdem.mechanics.quaternion import matrix, product
 from refdem.scene import Scene
 from refdem.scene.bodies import Bodies
-from refdem.scene.dimension import Acceleration, Dimension, Direction, Position
+from refdem.scene.dimension import Acceleration, Dimension, Direction, Omega, Position
 from refdem.scene.element import Element, Link, types_of
 from refdem.scene.elements.central_field import CentralField
 from refdem.scene.elements.periodic_box import PeriodicBox
@@ -182,9 +182,10 @@ class Symmetry:
     def _element(self, element: Element, count: int) -> Element:
         """An element with every field mapped as its annotated type says.
 
-        A Position is a point, a Direction is rotated, an Acceleration is rotated and scaled, `a`
-        and `b` are numbers of bodies of which there are `count`, and every other number has the
-        dimension that its annotation states.
+        A Position is a point, a Direction is rotated, an Acceleration is rotated and scaled, so is
+        an Omega, which a mirror image turns the other way; `a` and `b` are numbers of bodies of
+        which there are `count`, and every other number has the dimension that its annotation
+        states.
         """
         changed: dict[str, Any] = {}
         hints = types_of(type(element))
@@ -198,17 +199,25 @@ class Symmetry:
                 else:
                     in_space = True
                 changed[name] = self._place(value, space=in_space)
-            elif hint in (Direction, Acceleration):
-                if hint == Acceleration:
-                    unit = self.units[1] / self.units[2] ** 2
-                else:
-                    unit = 1.0
-                changed[name] = tuple((self.q @ np.array(value) * unit).tolist())
+            elif hint in (Direction, Acceleration, Omega):
+                factor = self._vector_factor(hint)
+                changed[name] = tuple((self.q @ np.array(value) * factor).tolist())
             elif name in ("a", "b") and self.reverse and value >= 0:
                 changed[name] = count - 1 - value
             elif isinstance(value, float) and (dimension := element.dimension(name)) is not None:
                 changed[name] = self._number(value, dimension)
         return msgspec.structs.replace(element, **changed).delayed(self.delay)
+
+    def _vector_factor(self, hint: Any) -> float:
+        """What multiplies a vector of that type, after Q: its unit, and the sense of an Omega."""
+        _, length, time = self.units
+        if hint == Acceleration:
+            return length / time**2
+        if hint == Omega and self.mirrored:
+            return -1.0 / time
+        if hint == Omega:
+            return 1.0 / time
+        return 1.0
 
     def _place(self, value: tuple[float, float, float], *, space: bool) -> tuple[float, ...]:
         """A point [m] mapped: l (Q x + d) of one in space; l x, reflected, of one in body axes."""

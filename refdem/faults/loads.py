@@ -51,6 +51,14 @@ def _dashpots(world: World, state: State, parts: Parts, total: Loads, *_: Any) -
         _add_with_power(total, state, dashpot, force, parts)
 
 
+def _rotating_dashpots(world: World, state: State, parts: Parts, total: Loads, *_: Any) -> None:
+    """Adds the forces of dashpots whose fluid turns about a point of space."""
+    for dashpot in world.rotating_dashpots:
+        branch = vec.minus(state.r[dashpot.a], dashpot.anchor_b)
+        force = parts.rotating_dashpot_force(dashpot, branch, state.v[dashpot.a])
+        _add_with_power(total, state, dashpot, force, parts)
+
+
 def _drags(world: World, state: State, parts: Parts, total: Loads, *_: Any) -> None:
     """Adds the drag of a fluid at rest, or of another body."""
     for drag in world.drags:
@@ -111,6 +119,7 @@ def _sliders(world: World, state: State, parts: Parts, total: Loads, *_: Any) ->
 SOURCES = {
     "springs": _springs,
     "dashpots": _dashpots,
+    "rotating_dashpots": _rotating_dashpots,
     "drags": _drags,
     "drives": _drives,
     "fields": _fields,

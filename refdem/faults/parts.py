@@ -20,6 +20,7 @@ from refdem.scene.elements.drag import Drag
 from refdem.scene.elements.force import Force
 from refdem.scene.elements.piecewise_field import PiecewiseField
 from refdem.scene.elements.rod import Rod
+from refdem.scene.elements.rotating_dashpot import RotatingDashpot
 from refdem.scene.elements.slider import Slider
 from refdem.scene.elements.spring import Spring
 from refdem.scene.elements.string_over_wheel import StringOverWheel
@@ -92,6 +93,7 @@ class Parts:
 
     spring_force: Callable[[Spring, Vector, Vector], Vector]
     dashpot_force: Callable[[Dashpot, Vector, Vector], Vector]
+    rotating_dashpot_force: Callable[[RotatingDashpot, Vector, Vector], Vector]
     drag_force: Callable[[Drag, Vector], Vector]
     drive_force: Callable[[Force, float, Callable[[float], Number]], Vector]
     weight: Callable[[Number, Vector], Vector]

@@ -505,6 +505,19 @@ FALLING: Rows = (
     *lasting("4", "12"),
 )
 """A body that falls from rest in a fluid, up to the terminal velocity."""
+SHAFT: Rows = (
+    ("mass", between(0.5, 0.875)),
+    ("stiffness", between(2, 6)),
+    ("outer_damping", between(0.125, 0.25)),
+    ("inner_damping", between(0.375, 0.625)),
+    ("turning", either("6", "-7")),
+    ("x0", listed(signed(0.5, 1.5), signed(0.5, 1.5))),
+    ("v0", listed(signed(0.5, 1.5), signed(0.5, 1.5))),
+    *lasting("3", "24"),
+)
+"""A mass on a shaft that turns faster than its border, one way or the other."""
+SLOW_SHAFT: Rows = (*SHAFT, ("turning", either("1", "-3/2")))
+"""The same below the border."""
 THROWN: Rows = (*FALLING, ("v0", between(1, 4)))
 """The same, thrown up first."""
 
@@ -524,6 +537,8 @@ SETTINGS: Mapping[str, Setting] = {
     "viscous": Setting("viscous-oscillator", VISCOUS, DAMPED),
     "falling": Setting("quadratic-drag", FALLING, DAMPED),
     "thrown": Setting("quadratic-drag", THROWN, DAMPED),
+    "shaft": Setting("whirling-shaft", SHAFT, DAMPED),
+    "slow-shaft": Setting("whirling-shaft", SLOW_SHAFT, DAMPED),
     "driven": Setting("driven-oscillator", DRIVEN, SMOOTH),
     "hardening": Setting("duffing", HARDENING, SMOOTH),
     "lopsided": Setting("quadratic-response", LOPSIDED, SMOOTH),

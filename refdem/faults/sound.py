@@ -21,6 +21,7 @@ from refdem.scene.elements.dashpot import Dashpot
 from refdem.scene.elements.drag import Drag
 from refdem.scene.elements.force import Force
 from refdem.scene.elements.rod import Rod
+from refdem.scene.elements.rotating_dashpot import RotatingDashpot
 from refdem.scene.elements.slider import Slider
 from refdem.scene.elements.spring import Spring
 
@@ -48,6 +49,12 @@ def spring_force(spring: Spring, a: Vector, b: Vector) -> Vector:
 def dashpot_force(dashpot: Dashpot, apart: Vector, relative: Vector) -> Vector:
     """Force [N] on end a, against its velocity."""
     return vec.times(-(dashpot.damping + dashpot.van_der_pol * vec.dot(apart, apart)), relative)
+
+
+def rotating_dashpot_force(dashpot: RotatingDashpot, apart: Vector, velocity: Vector) -> Vector:
+    """Force [N] on the body, -c (v - W x d) for its place d from the axis of the fluid."""
+    of_fluid = vec.cross(dashpot.rate, apart)
+    return vec.times(-dashpot.damping, vec.minus(velocity, of_fluid))
 
 
 def drag_force(drag: Drag, relative: Vector) -> Vector:
@@ -305,6 +312,7 @@ S4 = 1.0 / (4.0 - 4.0 ** (1.0 / 3.0))
 SOUND = Parts(
     spring_force=spring_force,
     dashpot_force=dashpot_force,
+    rotating_dashpot_force=rotating_dashpot_force,
     drag_force=drag_force,
     drive_force=drive_force,
     weight=weight,

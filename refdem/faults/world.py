@@ -25,6 +25,7 @@ from refdem.scene.elements.force import Force
 from refdem.scene.elements.piecewise_field import PiecewiseField
 from refdem.scene.elements.plane import Plane
 from refdem.scene.elements.rod import Rod
+from refdem.scene.elements.rotating_dashpot import RotatingDashpot
 from refdem.scene.elements.slider import Slider
 from refdem.scene.elements.spring import Spring
 from refdem.scene.elements.string_over_wheel import StringOverWheel
@@ -35,6 +36,7 @@ from refdem.scene.shapes import Polyhedron
 ELEMENTS: dict[str, type[Element]] = {
     "springs": Spring,
     "dashpots": Dashpot,
+    "rotating_dashpots": RotatingDashpot,
     "drags": Drag,
     "sliders": Slider,
     "rods": Rod,
@@ -56,6 +58,7 @@ SUPPORTED: tuple[type[Element], ...] = (
 SOURCES = (
     "springs",
     "dashpots",
+    "rotating_dashpots",
     "drags",
     "drives",
     "fields",
@@ -84,6 +87,7 @@ class World:
     fixed: list[bool]
     springs: list[Any]
     dashpots: list[Any]
+    rotating_dashpots: list[Any]
     drags: list[Any]
     drives: list[Any]
     sliders: list[Any]
@@ -117,7 +121,8 @@ class World:
         """Some force changes with the velocities."""
         rubs = any(slider.law != "coulomb" for slider in self.sliders)
         is_rough = bool(self.pairs) and (self.law.damping > 0 or self.law.friction > 0)
-        return bool(self.dashpots or self.drags) or rubs or is_rough
+        is_damped = bool(self.dashpots or self.rotating_dashpots or self.drags)
+        return is_damped or rubs or is_rough
 
     @cached_property
     def is_rigid(self) -> bool:

@@ -12,6 +12,7 @@ from refdem.scene.elements.dashpot import Dashpot
 from refdem.scene.elements.drag import Drag
 from refdem.scene.elements.force import Force
 from refdem.scene.elements.piecewise_field import PiecewiseField
+from refdem.scene.elements.rotating_dashpot import RotatingDashpot
 from refdem.scene.elements.spring import Spring
 from refdem.scene.elements.uniform_gravity import UniformGravity
 
@@ -19,7 +20,7 @@ Array = NDArray[np.float64]
 Acceleration = Callable[[float, Array, Array], Array]
 """a(t, r, v) (N, 3) [m/s^2] of all bodies, at a time t [s], places r (N, 3) [m] and velocities v
 (N, 3) [m/s]."""
-LINKS = (Spring, Dashpot, Drag, Force)
+LINKS = (Spring, Dashpot, RotatingDashpot, Drag, Force)
 FIELDS = (CentralField, UniformGravity, PiecewiseField)
 
 
@@ -84,6 +85,8 @@ def _on_first(link: Link, t: float, r: Array, v: Array) -> Array:
         force = -link.pull(np.array(distance - link.length)) * d / distance
     elif isinstance(link, Dashpot):
         force = -(link.damping + link.van_der_pol * distance**2) * w
+    elif isinstance(link, RotatingDashpot):
+        force = -link.damping * (w - np.cross(np.array(link.rate), d))
     elif isinstance(link, Drag):
         force = -link.coefficient * np.linalg.norm(w) * w
     elif isinstance(link, Force):

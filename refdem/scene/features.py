@@ -78,14 +78,18 @@ def _tumbles(bodies: Bodies) -> bool:
 def _dimension(bodies: Bodies, elements: Sequence[Element]) -> int:
     """1 if all motion is along x, 2 if it is in x-y with turns about z, else 3."""
     vectors = [bodies.position, bodies.velocity]
+    spins = [bodies.omega]
     for element in elements:
+        if hasattr(element, "rate"):
+            spins.append(np.asarray(element.rate, float)[None, :])
         for name in ("g", "normal", "axis", "anchor_a", "anchor_b"):
             if hasattr(element, name):
                 vectors.append(np.asarray(getattr(element, name), float)[None, :])
     stacked = np.concatenate(vectors)
-    if np.any(stacked[:, 2]) or np.any(bodies.omega[:, :2]) or np.any(bodies.attitude[:, 1:3]):
+    turning = np.concatenate(spins)
+    if np.any(stacked[:, 2]) or np.any(turning[:, :2]) or np.any(bodies.attitude[:, 1:3]):
         return 3
     are_round = all(isinstance(shape, Point | Sphere) for shape in bodies.shapes)
-    if np.any(stacked[:, 1]) or np.any(bodies.omega) or not are_round:
+    if np.any(stacked[:, 1]) or np.any(turning) or not are_round:
         return 2
     return 1

@@ -19,14 +19,18 @@ from flint import arb, arb_mat
 
 from refdem.core.truth import Ball, Truth
 from refdem.errors import NotCertifiedError
-from refdem.truth.balls import Guarded, arb_of
+from refdem.truth.balls import Guarded, arb_of, precision, unit_matrix
 from refdem.truth.contact_motion import ContactMotion, TracedContact
 from refdem.truth.contact_phases import LinearContact
 from refdem.truth.events.phase import Phase
 from refdem.truth.events.truth import EventProof
+from refdem.truth.growth import Stretch, inverted, smooth
 from refdem.truth.reals import Number
 from refdem.truth.refiner import Refiner, Size
+from refdem.truth.validated_ivp.integration import GUARD
 
+FLIGHT = arb(2) ** -30
+"""The flight before touch in which errors may be made, in the phases' unit of time."""
 Formula = Callable[[], dict[str, arb]]
 """Quantities as balls at the current precision."""
 
@@ -138,8 +142,8 @@ class Collision(Guarded, Truth):
     def sensitivity(self, t: Fraction) -> float:
         """S(t), with the jump matrix at each event.
 
-        Where nothing slips friction is left out: a slip that a small displacement starts is soon
-        stuck again.
+        Where nothing slips friction acts on errors alone: a slip that an error starts at touch
+        stretches the tangential spring, or is stopped at once without one.
         """
         return self.proof.sensitivity(t)
 
@@ -241,6 +245,39 @@ class Collision(Guarded, Truth):
         for row, scale in zip(rows, self.scales_of_coordinates(), strict=True):
             scaled_rows.append([entry / scale for entry in row])
         return arb_mat(scaled_rows)
+
+    def approach(self, motion: ContactMotion) -> list[Stretch]:
+        """The flight before touch, which ends with the jump matrix of touch.
+
+        An error of the places that is there at touch changes when the spheres touch. The flight may
+        be of any length. There an error of a velocity becomes one of the place, and nothing else
+        changes: M(s) = 1 + s N.
+        """
+        phase = motion.phases[0]
+        with precision(motion.bits + GUARD):
+            chart = self.chart(motion, phase, phase.entered)
+            count = chart.nrows()
+            # What `chart` makes of the jump matrix in the coordinates of the mode.
+            jump = chart * self.beside(motion.jump_at_touch()) * inverted(chart)
+            drifting = self.flight_slopes(count)
+
+        def fundamental(since: arb) -> arb_mat:
+            return unit_matrix(count) + since * drifting
+
+        return [smooth(-FLIGHT, FLIGHT, fundamental, jump=jump, affine=True)]
+
+    def flight_slopes(self, count: int) -> arb_mat:
+        """N (count, count): the rate of each coordinate of `chart` by the others in free flight, in
+        scales, per unit of the clock.
+        """
+        names = list(self.counted())
+        rows = [[arb(0)] * count for _ in range(count)]
+        for place, name in enumerate(names):
+            if name.startswith("r"):
+                velocity = "v" + name[1:]
+                ratio = self.scale[velocity] * self.phases.time / self.scale[name]
+                rows[place][names.index(velocity)] = arb_of(ratio)
+        return arb_mat(rows)
 
     def drift(self, seconds: arb) -> list[list[arb]]:
         """The errors of the centre of mass after `seconds` by those at the start: x + t v."""

@@ -8,12 +8,13 @@ from typing import Any
 
 from flint import arb, arb_mat
 
-from refdem.truth.balls import arb_of, precision
-from refdem.truth.contact_phases import LinearContact
+from refdem.truth.balls import arb_of, precision, unit_matrix
+from refdem.truth.contact_phases import LinearContact, PlanarPhases
 from refdem.truth.events.crossing import Along, SwitchError, Watched, first_crossing, sign
 from refdem.truth.events.motion import Followed, first_entry
 from refdem.truth.events.phase import Phase
 from refdem.truth.events.system import Traced, along, lie_derivatives
+from refdem.truth.growth import inverted
 from refdem.truth.traced_field import Program, traced
 from refdem.truth.validated_ivp.integration import GUARD, Piece
 
@@ -56,7 +57,7 @@ class TracedContact:
             True: traced_map(partial(phases.place, "apart"), phases.size),
         }
         self.force, _ = traced_map(single(phases.force), phases.size)
-        self.overlap, _ = traced_map(single(phases.overlap), phases.size)
+        self.overlap, self.overlap_gradient = traced_map(single(phases.overlap), phases.size)
         contact = {name: mode for name, mode in modes.items() if name != "apart"}
         self.closing = {
             name: rates(phases.closing, mode.field, phases.size) for name, mode in contact.items()
@@ -129,6 +130,61 @@ class ContactMotion(Followed):
         state = self.at(t)
         with precision(self.bits + GUARD):
             return self.traced.slopes(self.name(phase), state)
+
+    def jump_at_touch(self) -> arb_mat:
+        """The jump matrix at touch, in the coordinates of the first mode.
+
+        An error of the overlap a makes the spheres touch earlier by da/u, u being the closing
+        speed; for so much longer the contact acts, at the rates f, instead of the free flight, at
+        the rates f_0:
+
+            1 + (f - f_0) (grad a)^T/u.
+        """
+        phase = self.phases[0]
+        name = self.name(phase)
+        state = phase.entered
+        size = phase.mode.size
+        with precision(self.bits + GUARD):
+            in_contact = phase.field.run(state)
+            in_flight = self.free_rates(name, state)
+            closing = self.traced.closing[name][0].run(state)[0]
+            by_overlap = self.traced.overlap_gradient.run(state)
+            rows = [
+                [(acts - flies) * slope / closing for slope in by_overlap]
+                for acts, flies in zip(in_contact, in_flight, strict=True)
+            ]
+            jump = unit_matrix(size) + arb_mat(rows)
+            if self.traced.phases.rests and not self.traced.phases.kt:
+                jump = self.slip_stopped(state) * jump
+            return jump
+
+    def slip_stopped(self, state: Sequence[arb]) -> arb_mat:
+        """What friction makes of an error at once where nothing slips and no spring gives way.
+
+        With the slip s and the rates d of the state by friction, 1 - d (grad s)^T/(grad s . d): the
+        impulse along d that stops the slip.
+        """
+        phases = self.traced.phases
+        assert isinstance(phases, PlanarPhases)
+        size = phases.size
+        along_friction = Program(traced(phases.by_friction, size)[0]).run(state)
+        by_state = traced_map(single(phases.slip), size)[1].run(state)
+        rate = sum((a * b for a, b in zip(by_state, along_friction, strict=True)), arb(0))
+        rows = [[d * slope / rate for slope in by_state] for d in along_friction]
+        return unit_matrix(size) - arb_mat(rows)
+
+    def free_rates(self, name: str, state: Sequence[arb]) -> list[arb]:
+        """The rates of a state in the coordinates of a mode of contact if nothing acted: places
+        move with the velocities, and the clock goes.
+        """
+        place = self.traced.place(name, state)
+        directions = self.traced.phases.directions
+        rates = [arb(0)] * len(place)
+        rates[:directions] = place[directions : 2 * directions]
+        rates[-1] = arb(1)
+        slopes = self.traced.slopes(name, state)
+        column = inverted(slopes) * arb_mat(len(rates), 1, rates)
+        return [row[0] for row in column.table()]
 
     def restitution(self) -> arb:
         """The restitution: the speed along the normal where the force ends over that at touch."""

@@ -89,6 +89,10 @@ class LinearContact(ABC):
     k: Number
     c: Number
     kt: Number
+    directions: int
+    """The directions in which the spheres move: 2 in the plane, 3 in space."""
+    rests = False
+    """True where nothing slips, ever, though friction acts on what errors make slip."""
 
     @property
     @abstractmethod
@@ -189,6 +193,8 @@ class PlanarPhases(LinearContact):
     position that a state stands for (`cartesian`).
     """
 
+    directions = 2
+
     @abstractmethod
     def turning(self, y: State, r: Any) -> Any:
         """The rate of the third coordinate, which is the angle phi of a pair's normal; r = 1 - eps
@@ -288,7 +294,7 @@ class PlanarPhases(LinearContact):
         """Every mode that this pair can be in, by name."""
         free = self.field(None)
         modes = {
-            "press": Mode(free, (self.released(),)),
+            "press": Mode(self.pressed_field(), (self.released(),)),
             "apart": Mode(lambda y: [0] * 7 + [1], leaves=lambda y: None),
         }
         if self.pair.damping and self.pair.ends_with_overlap:
@@ -298,7 +304,7 @@ class PlanarPhases(LinearContact):
                 "press", lambda y: -self.force(y), lambda y: self.pressing(y, rising=True)
             )
             modes["pull"] = Mode(free, (released, pressed))
-        if self.friction:
+        if self.friction and not self.rests:
             for side in (1, -1):
                 modes[SLIDES[side]] = self.sliding(side)
             if self.kt:
@@ -306,6 +312,24 @@ class PlanarPhases(LinearContact):
             else:
                 modes["hold"] = self.held()
         return modes
+
+    def pressed_field(self) -> Callable[[State], list[Any]]:
+        """The rates while the force presses and nothing slips.
+
+        Where friction acts it sticks, on errors too: they are small beside its limit, until just
+        before the force ends, when what is left of it changes them to the second order only.
+        """
+        if not self.rests:
+            return self.field(None)
+        if self.kt:
+            return self.field(lambda y: -self.pull(y), stretches=True)
+        return self.field(self.holding)
+
+    def by_friction(self, y: State) -> list[Any]:
+        """The rates (8) of the state by a friction g = 1 alone."""
+        acts = self.field(lambda y: 1)(y)
+        free = self.field(None)(y)
+        return [one - other for one, other in zip(acts, free, strict=True)]
 
     def sliding(self, side: int) -> Mode:
         """The mode of friction at its limit, -sigma mu F, against a slip of sign `side` = sigma.
@@ -398,7 +422,7 @@ class PlanarPhases(LinearContact):
             touching = {self.released().name: 1}
         else:
             touching = {}
-        if not self.friction:
+        if not self.friction or self.rests:
             return Entry("press", touching=touching)
         if side is None:
             side = sign(ball(self.slip, y), "the slip where the contact presses again")
@@ -441,11 +465,12 @@ class PlanarPhases(LinearContact):
 
 
 class ContactPhases(PlanarPhases):
-    """The modes of a pair in the plane. Without `rubs` friction is left out."""
+    """The modes of a pair in the plane. A head-on pair `rests`: it never slips."""
 
-    def __init__(self, pair: TouchingPair, *, rubs: bool = True) -> None:
+    def __init__(self, pair: TouchingPair) -> None:
         self.spheres = pair
-        self.in_units_of(pair, rubs=rubs)
+        self.in_units_of(pair, rubs=True)
+        self.rests = pair.is_head_on and self.friction > 0
 
     def start(self) -> list[Callable[[], arb]]:
         """The state at touch: a = 0, u = v cos(angle)/V, phi = 0, w = -v sin(angle)/V, the spins, s

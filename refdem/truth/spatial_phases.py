@@ -43,6 +43,8 @@ class SpatialPhases(LinearContact):
     spring), clock. Apart, r is replaced by r - v clock.
     """
 
+    directions = 3
+
     def __init__(self, pair: TouchingPair) -> None:
         self.spheres = pair
         self.in_units_of(pair, rubs=True)

@@ -465,13 +465,13 @@ def test_round_off_of_a_picture_is_that_of_both_runs_and_of_other_units():
     plain = pictures.of(of, "mirrored")
     level = symmetry.level_for(subject)
     expected = 2 * subject.noise(level)
-    assert symmetry.round_off(subject, plain) == near(expected, rel=1e-13)
+    assert symmetry.round_off(subject, level, plain) == near(expected, rel=1e-13)
     # Velocities may be differences of places: (1 + tau/h) times as much.
     of_places = Subject(of, method(), LEVELS, None)
     of_differences = expected * (1 + of.scales.tau / level)
-    assert symmetry.round_off(of_places, plain) == near(of_differences, rel=1e-13)
+    assert symmetry.round_off(of_places, level, plain) == near(of_differences, rel=1e-13)
     rescaled = pictures.of(of, "rescaled")
-    assert symmetry.round_off(subject, rescaled) == near(expected + U * 8.5 * 16, rel=1e-13)
+    assert symmetry.round_off(subject, level, rescaled) == near(expected + U * 8.5 * 16, rel=1e-13)
 
 
 def test_what_a_rounding_decides_is_at_most_the_truncation_of_both_runs():
@@ -493,7 +493,7 @@ def test_what_a_rounding_decides_is_at_most_the_truncation_of_both_runs():
     # Eight times the largest difference so far, 1e-5 of L.
     np.testing.assert_allclose(shown, [0, 0, 8e-5, 8e-5, 8e-5], rtol=1e-9)
     spread = symmetry.allowed(subject, pictures.of(of, "mirrored"), growth)
-    of_rounding = symmetry.round_off(subject, pictures.of(of, "mirrored")) * growth
+    of_rounding = symmetry.round_off(subject, LEVELS[-1], pictures.of(of, "mirrored")) * growth
     np.testing.assert_allclose(spread, of_rounding + truncation, rtol=1e-13)
     located = Subject(of, method(order=2), LEVELS, None)
     assert not symmetry._decided_by_rounding(located, runs, growth, "mirrored").any()

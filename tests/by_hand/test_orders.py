@@ -225,20 +225,20 @@ def test_levels_count_between_twenty_roundings_and_a_tenth_of_the_scale():
     # The bound at the end is 17 (2 h)^2 + noise; times the growth.
     levels = tuple(2.0**-k for k in range(3, 9))
     subject = Subject(swinging(), method(), levels, known_of())
-    counting, common = order._counting_levels(subject)
+    counting, common = order._counting_levels(subject, levels)
     # 17/4^k falls below a tenth from 2 h = 1/16 on; at 2 h = 1/8 it is 0.27, at 1/4 1.06.
     assert (counting, common) == ([2.0**-5, 2.0**-6, 2.0**-7, 2.0**-8], 5)
     finer = (*levels, 2.0**-9)
     rough = Subject(swinging(), method(precision="single"), finer, known_of())
     # 20 x 8 u sqrt(n) with u = 2^-24 is 6e-4 at 2^-9, where the truncation is 17/4^8 = 2.6e-4.
-    assert order._counting_levels(rough) == (counting, 5)
+    assert order._counting_levels(rough, finer) == (counting, 5)
 
 
 def test_levels_are_compared_on_the_samples_of_the_third_finest():
     grown = known_of(growth=[1.0, 1.0, 1.0, 1.0, 64.0])
     subject = Subject(swinging(), method(), (2.0**-5, 2.0**-6, 2.0**-7, 2.0**-8), grown)
     # At the last sample 64 x 17 (2 h)^2 is below a tenth at 2^-8 alone: 0.066; at 2^-7 0.27.
-    counting, common = order._counting_levels(subject)
+    counting, common = order._counting_levels(subject, subject.levels)
     assert (counting, common) == ([2.0**-5, 2.0**-6, 2.0**-7, 2.0**-8], 4)
 
 
@@ -712,14 +712,14 @@ def test_the_way_back_is_judged_at_the_first_step_at_which_it_is_predictable():
     # 2 (S + ...) 17 (2 h)^2 S at S = 1: 34 (2 h)^2 and its square; a tenth is at 2 h = 0.0523.
     levels = (2.0**-2, 2.0**-3, 2.0**-4)
     subject = Subject(swinging(), method(), levels, known_of())
-    assert reversal._judged_level(subject) == 2.0**-6
+    assert reversal._predictable_level(subject) == 2.0**-6
     assert (
         reversal._claimed_defect(subject, 2.0**-6)
         < 0.1
         < reversal._claimed_defect(subject, 2.0**-5)
     )
     far = Subject(swinging(), method(), (2.0,), known_of(growth=[1e9] * 5))
-    assert reversal._judged_level(far) == 2.0
+    assert reversal._predictable_level(far) == 2.0
     reached = 17 * (2.0**-5) ** 2 + subject.noise(2.0**-6)
     expected = 2 * (reached + reached**2)
     assert reversal._claimed_defect(subject, 2.0**-6) == near(expected, rel=1e-12)

@@ -67,7 +67,7 @@ def test_runs_are_kept_whole_unless_one_may_end_otherwise(
     with spool() as trajectories:
         found = Runs(by_place={one.place: run}, spool=trajectories, made=1, read=0)
         assert found.is_lasting == is_lasting
-        assert found.of_task(1, one.task) == {}
+        assert found.of_task(1) == {}
 
 
 def test_the_trajectories_asked_for_last_are_held_as_far_as_there_is_room(

@@ -37,6 +37,10 @@ CATALOGUE = {
     "duffing": ("alpha beta amplitude", ["x", "v"]),
     "driven-duffing": ("alpha beta delta f0 drive x0 v0", ["x", "v"]),
     "quadratic-response": ("w0 eps delta f0 drive x0 v0", ["x", "v"]),
+    "whirling-shaft": (
+        "mass stiffness outer_damping inner_damping turning x0 v0",
+        ["x", "y", "vx", "vy"],
+    ),
     "van-der-pol": ("mu p drive x0 v0", ["x", "v"]),
     "two-body-orbit": ("gm semi_major eccentricity stiffness", ["x", "y", "vx", "vy"]),
     "two-spheres": (
@@ -143,6 +147,7 @@ STARTS += [
     ("coulomb-oscillator", {}),
     ("coulomb-oscillator", {"v0": "1/3", "x0": "0"}),
     ("viscous-oscillator", {"delta": "3", "gravity": "-2", "mass": "5", "v0": "1/3"}),
+    ("whirling-shaft", {"turning": "-7/2", "mass": "1/3", "v0": "1,-2"}),
     ("driven-oscillator", {"mass": "3", "delta": "0", "drive": "0.7", "gravity": "1"}),
     ("power-oscillator", {"exponent": "5/2", "amplitude": "-2", "mass": "1/3"}),
     ("duffing", {"alpha": "-1", "amplitude": "1/2"}),
@@ -226,6 +231,8 @@ REFUSED = [
     ("coulomb-oscillator", {"samples": "1"}, "samples"),
     ("viscous-oscillator", {"delta": "-1"}, "delta"),
     ("driven-oscillator", {"f0": "0", "x0": "0"}, "x0"),
+    ("whirling-shaft", {"inner_damping": "-1"}, "inner_damping"),
+    ("whirling-shaft", {"x0": "0,0", "v0": "0,0"}, "x0"),
     ("power-oscillator", {"exponent": "1/2"}, "exponent"),
     ("power-oscillator", {"amplitude": "0"}, "amplitude"),
     ("duffing", {"alpha": "1", "beta": "-1"}, "escape energy"),

@@ -11,7 +11,9 @@ from refdem.core.check import CompletedRun, Subject
 from refdem.core.engine import Method
 from refdem.core.refinement import levels
 from refdem.core.trajectory import Cost, Trajectory
+from refdem.core.variant import Variant
 from refdem.truth.sampled import sampled
+from tests.handmade import all_runs
 
 METHODS = {
     "exact": Method(
@@ -71,6 +73,27 @@ def true_run(of: Subject, until: int | None = None) -> Trajectory:
     return Trajectory(t=of.instance.times, **columns)
 
 
+def denser(run: Trajectory, times: int) -> Trajectory:
+    """A run with every sample repeated so many times."""
+    names = ("t", "position", "velocity", "attitude", "omega")
+    repeated = {name: np.repeat(getattr(run, name), times, axis=0) for name in names}
+    return replace(run, **repeated)
+
+
+def back(run: Trajectory, change: str) -> Trajectory:
+    """A run on the way back: with velocities reversed, or with negative steps."""
+    sign = 1.0
+    if change == "reversed":
+        sign = -1.0
+    return replace(
+        run,
+        position=run.position[::-1],
+        velocity=sign * run.velocity[::-1],
+        attitude=run.attitude[::-1],
+        omega=sign * run.omega[::-1],
+    )
+
+
 def findings(
     check: str,
     of: Subject,
@@ -82,37 +105,18 @@ def findings(
     found = discovery.check(check)
     reason = found.applies(of)
     assert reason is None, reason
-    runs = {}
-    for variant in found.needs(of):
+
+    def made(variant: Variant) -> CompletedRun:
         run = true_run(of)
         if variant.change == "denser_output":
-            run = replace(
-                run,
-                **{
-                    n: np.repeat(getattr(run, n), variant.amount, axis=0)
-                    for n in ("t", "position", "velocity", "attitude", "omega")
-                },
-            )
+            run = denser(run, variant.amount)
         elif variant.goes_on:
-            if variant.change == "reversed":
-                sign = -1.0
-            else:
-                sign = 1.0
-            run = replace(
-                run,
-                position=run.position[::-1],
-                velocity=sign * run.velocity[::-1],
-                attitude=run.attitude[::-1],
-                omega=sign * run.omega[::-1],
-            )
-        runs[variant] = CompletedRun(
-            (
-                fault(run, variant.level)
-                if variant.change not in ("repeated", "denser_output")
-                else run
-            ),
-            Cost(seconds=0.0),
-        )
+            run = back(run, variant.change)
+        if variant.change not in ("repeated", "denser_output"):
+            run = fault(run, variant.level)
+        return CompletedRun(run, Cost(seconds=0.0))
+
+    runs = all_runs(found, of, made)
     return {finding.quantity: finding for finding in found.judge(of, runs)}
 
 

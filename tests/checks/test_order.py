@@ -32,6 +32,8 @@ from refdem.core.selection import Selection
 from refdem.core.trajectory import Cost, Trajectory
 from refdem.core.variant import Variant
 from refdem.faults.transparent import Transparent
+from tests.checks.conftest import subject, true_run
+from tests.handmade import all_runs
 
 
 @pytest.mark.parametrize(
@@ -544,3 +546,26 @@ def test_errors_of_velocities_that_lag_are_fitted_with_two_terms_too():
     found = _misfits(replace(subject, truth=known), runs, known, levels, len(truth.t))
     assert found is not None
     assert found.claimed < 1e-9 < found.lower
+
+
+@pytest.mark.parametrize(("scatter", "levels"), [((), 4), ((0, 1, -1, 1, -1, 0), 6)])
+def test_where_kinks_scatter_no_errors_the_levels_of_the_plan_decide(scatter, levels):
+    """Errors on a line of the claimed order are judged at four levels, others at two more."""
+    of = subject("asymmetric-field", "second")
+    fault = spoiled(1e-3, 2, scatter)
+
+    def made(variant):
+        return CompletedRun(fault(true_run(of), variant.level), Cost(seconds=0.0))
+
+    runs = all_runs(discovery.check("order"), of, made)
+    assert len(runs) == levels
+
+
+def test_errors_on_a_line_of_a_lower_order_are_judged_at_all_levels():
+    of = subject("asymmetric-field", "second")
+    fault = spoiled(1e-3, 1)
+
+    def made(variant):
+        return CompletedRun(fault(true_run(of), variant.level), Cost(seconds=0.0))
+
+    assert len(all_runs(discovery.check("order"), of, made)) == 6

@@ -2,6 +2,7 @@
 is.
 """
 
+import numpy as np
 import pytest
 
 from refdem.campaign.in_process import record_of, task_of, truth_of
@@ -46,3 +47,31 @@ def test_what_no_step_can_decide_is_undecided_with_its_reason():
     ).findings
     assert found[0].outcome == "undecided"
     assert "predictability" in found[0].sentence
+
+
+@pytest.mark.parametrize(("part", "levels", "outcome"), [(0.0, 2, "pass"), (0.1, 3, "fail")])
+def test_a_finer_step_is_taken_only_where_the_finest_of_the_plan_does_not_decide(
+    part, levels, outcome
+):
+    """Of a turning pendulum in pymunk, which comes back within 2e-4 of the scale; or which has lost
+    a part of its velocity then.
+    """
+    engine = discovery.engine("pymunk")
+    instance = discovery.case("pendulum").at(theta0="0", thetadot0="3")
+    start = instance.scene.bodies.position
+
+    def after(request, run):
+        if np.array_equal(request.problem.scene.bodies.position, start):
+            return run
+        return of_columns(velocity=scaled(1 - part))(request, run)
+
+    lossy = Fault(
+        name="loss", kind="", sentence="", on=(), sees=("reversal", "reversed"), after=after
+    )
+    task = task_of(
+        lossy.carrier(engine), "semi-implicit-euler", instance, truth_of(instance), 4, ("reversal",)
+    )
+    runs = {}
+    findings = {finding.quantity: finding for finding in record_of(task, runs).findings}
+    assert findings["reversed"].outcome == outcome
+    assert len({variant.level for variant in runs if variant.goes_on}) == levels

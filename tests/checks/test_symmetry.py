@@ -3,7 +3,6 @@ that breaks it.
 """
 
 from dataclasses import replace
-from itertools import count
 
 import msgspec
 import numpy as np
@@ -19,6 +18,7 @@ from refdem.faults.change import of_bodies, of_elements, single
 from refdem.faults.fault import Fault
 from refdem.mechanics.quaternion import product
 from refdem.scene.elements.spring import Spring
+from tests.handmade import all_runs
 from tests.right_spheres import RightSpheres
 
 SPECIFICATION = Specification(name="test", case=[], levels=3)
@@ -49,12 +49,24 @@ def replaced(method):
 
 def found(case, method, fault=lambda run, request: run):
     task = task_of(case, method)
-    runs = {}
-    for variant in task.variants:
+    return findings_of(task, task.subject, fault)
+
+
+def runs_of(task, subject, fault):
+    """The runs of a subject by the engine, spoiled by `fault(run, request)`."""
+
+    def made(variant):
         request = plan.request(task, variant)
         run, cost = task.engine.run(request)
-        runs[variant] = CompletedRun(fault(run, request), cost)
-    return {finding.quantity: finding for finding in task.checks[0].judge(task.subject, runs)}
+        return CompletedRun(fault(run, request), cost)
+
+    return all_runs(Symmetry(), subject, made)
+
+
+def findings_of(task, subject, fault):
+    """Findings of a subject whose runs are spoiled by `fault(run, request)`."""
+    runs = runs_of(task, subject, fault)
+    return {finding.quantity: finding for finding in Symmetry().judge(subject, runs)}
 
 
 @pytest.mark.parametrize(
@@ -175,22 +187,47 @@ def test_a_truncation_error_may_know_the_axes_of_space(size, order, outcome):
     assert finding.outcome == outcome, finding.sentence
 
 
+def of_first_order():
+    """A task of a method of first order in contacts, and its subject at four short steps."""
+    specification = msgspec.structs.replace(SPECIFICATION, levels=4, method="velocity-verlet")
+    instance = discovery.case("two-spheres").at(**CASES["two-spheres"])
+    engine = discovery.engine("reference")
+    (task,) = plan.tasks(specification, instance, ("symmetry",), engine, None)
+    method = replace(task.subject.method, order_with={"contact": 1})
+    levels = tuple(h / 16 for h in task.subject.levels)
+    subject = replace(task.subject, method=method, levels=levels, truth=truth_of(instance))
+    return task, subject
+
+
 def found_in_first_order(fault):
     """Findings of a method of first order in contacts, each of whose runs is spoiled by `fault(run,
     request)`.
     """
-    task = msgspec.structs.replace(SPECIFICATION, levels=4, method="velocity-verlet")
-    instance = discovery.case("two-spheres").at(**CASES["two-spheres"])
-    (task,) = plan.tasks(task, instance, ("symmetry",), discovery.engine("reference"), None)
-    method = replace(task.subject.method, order_with={"contact": 1})
-    levels = tuple(h / 16 for h in task.subject.levels)
-    subject = replace(task.subject, method=method, levels=levels, truth=truth_of(instance))
-    runs = {}
-    for variant in Symmetry().needs(subject):
-        request = plan.request(task, variant)
-        run, cost = task.engine.run(request)
-        runs[variant] = CompletedRun(fault(run, request), cost)
-    return {finding.quantity: finding for finding in Symmetry().judge(subject, runs)}
+    task, subject = of_first_order()
+    return findings_of(task, subject, fault)
+
+
+def changes_at_levels(fault):
+    """The changes that are run at each level where rounding decides, coarse to fine."""
+    task, subject = of_first_order()
+    runs = runs_of(task, subject, fault)
+    return [sorted(v.change for v in runs if v.level == level) for level in subject.levels]
+
+
+def test_images_that_agree_to_round_off_at_the_coarsest_step_run_at_no_other():
+    coarsest, *finer = changes_at_levels(lambda run, request: run)
+    assert coarsest == sorted(["none", "perturbed", "perturbed", *symmetry.NAMES])
+    assert finer == [[], [], []]
+
+
+def test_an_image_that_differs_runs_at_the_finest_step_with_more_perturbed_starts():
+    def first_body_is_light(run, request):
+        if request.problem.scene.bodies.mass[0] < request.problem.scene.bodies.mass[1]:
+            return run
+        return replace(run, position=run.position * (1 + 1e-6))
+
+    *_, finest = changes_at_levels(first_body_is_light)
+    assert finest == ["none", *["perturbed"] * 6, "relabelled"]
 
 
 def moves_the_second_body(size, order):
@@ -252,12 +289,14 @@ def rounded(column):
 @pytest.mark.parametrize("column", ["mass", "position", "stiffness"])
 def test_parameters_kept_in_single_precision_are_seen_in_other_units(column):
     task = task_of("harmonic-oscillator", "velocity-verlet")
-    runs = {}
-    for variant in task.variants:
+
+    def made(variant):
         run, cost = task.engine.run(rounded(column)(plan.request(task, variant)))
-        runs[variant] = CompletedRun(run, cost)
+        return CompletedRun(run, cost)
+
+    runs = all_runs(Symmetry(), task.subject, made)
     outcomes = {
-        finding.quantity: finding.outcome for finding in task.checks[0].judge(task.subject, runs)
+        finding.quantity: finding.outcome for finding in Symmetry().judge(task.subject, runs)
     }
     assert outcomes["rescaled"] == "fail"
 
@@ -303,10 +342,16 @@ def test_two_runs_that_a_rounding_parts_may_each_be_off_by_the_truncation_error(
     """The plain run is to one side of the right motion, and those that a rounding moves are to the
     other, each within its bound.
     """
-    calls = count()
+    plain = discovery.case("two-spheres").at(**CASES["two-spheres"]).scene.bodies
 
     def fault(run, request):
-        side = 1.0 if next(calls) == 0 else -1.0  # the plain run is asked for first
+        bodies = request.problem.scene.bodies
+        is_here = np.array_equal(bodies.position, plain.position)
+        is_now = request.problem.times[0] == 0.0
+        if is_here and is_now and np.array_equal(bodies.velocity, plain.velocity):
+            side = 1.0
+        else:
+            side = -1.0
         instance = discovery.case("two-spheres").at(**CASES["two-spheres"])
         tau = instance.scales.tau
         length = instance.scales.length
@@ -328,11 +373,14 @@ def found_in(engine, method, case, given, fault):
     truth = truth_of(instance)
     specification = msgspec.structs.replace(SPECIFICATION, levels=4, method=method)
     (task,) = plan.tasks(specification, instance, ("symmetry",), discovery.engine(engine), truth)
-    runs = {}
-    for variant in task.variants:
+
+    def made(variant):
         run, cost = task.engine.run(plan.request(task, variant))
-        shown = variant.change in symmetry.NAMES
-        runs[variant] = CompletedRun(fault(run) if shown else run, cost)
+        if variant.change in symmetry.NAMES:
+            run = fault(run)
+        return CompletedRun(run, cost)
+
+    runs = all_runs(Symmetry(), task.subject, made)
     return {finding.quantity: finding for finding in Symmetry().judge(task.subject, runs)}
 
 

@@ -38,10 +38,12 @@ def test_a_reason_that_refuses_several_methods_is_told_once(
 ) -> None:
     monkeypatch.setenv("REFDEM_STORE", str(tmp_path / "store.sqlite"))
     command("pendulum", engine=["reference"], set=["theta0=0.3", "duration=1"])
-    refused = [line for line in capsys.readouterr().out.splitlines() if "not supported" in line]
+    shown = capsys.readouterr().out
+    refused = [line for line in shown.splitlines() if "not supported" in line]
     (rod,) = [line for line in refused if "an element of kind rod (" in line]
     assert "exact-coulomb" in rod
     assert "exact-free-body" in rod
+    assert "finer runs only where these do not decide: order, reversal, symmetry" in shown
 
 
 def test_every_word_of_supports_and_conserves_has_a_meaning(

@@ -2,7 +2,9 @@
 further off than S says, whatever the case, the setting, the direction and the time.
 
 REFDEM_RANDOM_SETTINGS (20 for a night) says how many settings a case gets, REFDEM_RANDOM_SEED which
-ones, REFDEM_RANDOM_LOOKS (16 for a night) at how many times motions are compared.
+ones, REFDEM_RANDOM_LOOKS (16 for a night) at how many times motions are compared,
+REFDEM_RANDOM_COORDINATES (100 for a night) how many coordinates a start may have that all are
+displaced.
 """
 
 import random

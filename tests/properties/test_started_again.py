@@ -43,6 +43,7 @@ STARTS = {
     "pendulum-wheel-mass": WHEEL,
     "free-rigid-body": BODY,
     "dissipating-body": {"omega_body": OMEGA},
+    "whirling-shaft": {"x0": "x y", "v0": "vx vy"},
     "logistic": {"x0": "x_n"},
     "lorenz": {"start": "x y z"},
 }

@@ -17,6 +17,7 @@ from refdem.scene.elements.drag import Drag
 from refdem.scene.elements.force import Force
 from refdem.scene.elements.piecewise_field import PiecewiseField
 from refdem.scene.elements.rod import Rod
+from refdem.scene.elements.rotating_dashpot import RotatingDashpot
 from refdem.scene.elements.spring import Spring
 from refdem.scene.elements.uniform_gravity import UniformGravity
 
@@ -31,6 +32,9 @@ ELEMENTS = {
     "bent spring": Spring(a=1, stiffness=2.0, length=4.0, exponent=1.5, quadratic=0.5, cubic=2.0),
     "spring to a place": Spring(a=0, stiffness=2.0, anchor_b=(1.0, 2.0, 3.0)),
     "dashpot": Dashpot(a=1, damping=0.5, van_der_pol=0.25, anchor_b=(1.0, 0.0, 0.0)),
+    "fluid that turns": RotatingDashpot(
+        a=1, damping=0.5, rate=(1.0, -2.0, 3.0), anchor_b=(1.0, 0.0, 0.0)
+    ),
     "drag": Drag(a=2, coefficient=0.5),
     "drag against another": Drag(a=0, b=1, coefficient=0.5),
     "drive": Force(a=1, amplitude=2.0, frequency=3.0, phase=0.5, axis=AXIS),

@@ -96,6 +96,15 @@ def spring(p, y, t):
     return [y[2], y[3], -p.stiffness * y[0], -p.stiffness * y[1]]
 
 
+def whirl(p, y, t):
+    x, y, vx, vy = y
+    slip_x = vx + p.turning * y
+    slip_y = vy - p.turning * x
+    force_x = -p.stiffness * x - p.outer_damping * vx - p.inner_damping * slip_x
+    force_y = -p.stiffness * y - p.outer_damping * vy - p.inner_damping * slip_y
+    return [vx, vy, force_x / p.mass, force_y / p.mass]
+
+
 def shaken(p, y, t):
     lift = p.gravity - p.drive_amplitude * p.drive**2 * np.cos(p.drive * t)
     return [y[1], lift * np.sin(y[0]) / p.length]
@@ -178,6 +187,10 @@ MOTIONS = [
     GrowthCase("two-body-orbit", ORBIT, kepler),
     GrowthCase("two-body-orbit", ORBIT, kepler, {"eccentricity": "0"}),
     GrowthCase("two-body-orbit", ORBIT, spring, {"stiffness": "1"}),
+    GrowthCase("whirling-shaft", ORBIT, whirl),
+    GrowthCase("whirling-shaft", ORBIT, whirl, {"turning": "2"}),
+    GrowthCase("whirling-shaft", ORBIT, whirl, {"turning": "3"}),
+    GrowthCase("whirling-shaft", ORBIT, whirl, {"outer_damping": "12", "duration": "4"}),
     GrowthCase("kapitza-pendulum", ANGLE, shaken, {"duration": "3"}),
     GrowthCase("hertz-spheres", TOUCH, hertz),
     # Steps across the jump of its force need impulses that are larger than what they are off.

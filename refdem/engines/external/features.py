@@ -74,6 +74,7 @@ MEANINGS = {
     "piecewise_field": "a force that is linear in the place in each of two pieces, and zero beyond",
     "plane": "a wall",
     "rod": "two anchors at a fixed distance",
+    "rotating_dashpot": "a dashpot whose fluid turns: F = -damping (v - rate x d)",
     "rotation": "bodies that may turn: attitude and omega belong to the state",
     "shape:polyhedron": "a body with faces",
     "shape:sphere": "comes with contacts: bodies with a radius",

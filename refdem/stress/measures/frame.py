@@ -141,7 +141,7 @@ class SameMotion(Check):
             return [
                 undecided(self.name, self.change, "the engine refused the scene during the run")
             ]
-        growth = growth_of(subject, perturbed or plain, plain)
+        growth = growth_of(subject, level_for(subject), perturbed or plain, plain)
         bounds = self._bounds(subject, growth)
         count = len(bounds)
         if count < 2:

@@ -58,7 +58,7 @@ class TwoSpheres(Collision):
 
     def __init__(self, scale: Mapping[str, float], pair: SpherePair, *, digits: int = 40) -> None:
         self.spheres = pair
-        phases = ContactPhases(pair, rubs=not pair.is_head_on)
+        phases = ContactPhases(pair)
         self.collide(scale, phases, pair.effective_mass, digits=digits)
         if pair.is_head_on:
             self.method = "closed form"

@@ -17,7 +17,7 @@ Hypotheses, and where each is checked:
 * t is not within the uncertainty of an event: `HybridMotion.phase` (motion.py).
 """
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from copy import copy
 from fractions import Fraction
 from functools import partial
@@ -97,6 +97,11 @@ class Switching(Protocol[Motion]):
 
     def readings(self, motion: Any, t: arb) -> arb_mat:
         """d quantity_i(t)/scale_i over d coordinate_j(t)/scale_j."""
+
+    def approach(self, motion: Any) -> Iterable[Stretch]:
+        """The stretches of time before the motion begins, which count where it begins with an
+        event; in the coordinates of `chart`.
+        """
 
 
 class EventProof(Guarded, Generic[Motion]):
@@ -255,6 +260,7 @@ class EventProof(Guarded, Generic[Motion]):
         """The pieces of a motion as stretches, made as they are asked for; the last one of a phase
         ends with an event.
         """
+        yield from self.system.approach(motion)
         for number in count():
             while number >= len(motion.phases):
                 if motion.ended:
@@ -491,6 +497,10 @@ class HybridFlow(Guarded, Truth):
 
     def struck(self) -> None:
         """Errors are made in all coordinates of `chart`."""
+
+    def approach(self, motion: HybridMotion) -> tuple[()]:
+        """None: the start is no event."""
+        return ()
 
     def readings(self, motion: HybridMotion, t: arb) -> arb_mat:
         """d quantity_i(t)/scale_i over d coordinate_j(t)/scale_j."""

@@ -2,7 +2,22 @@
 motion.
 """
 
-from mpmath import acos, atan2, beta, cos, ellipfun, ellipk, exp, matrix, mp, mpf, pi, sin, sqrt
+from mpmath import (
+    acos,
+    atan2,
+    beta,
+    cos,
+    ellipfun,
+    ellipk,
+    exp,
+    matrix,
+    mp,
+    mpc,
+    mpf,
+    pi,
+    sin,
+    sqrt,
+)
 
 from tests.properties.held_out.mpmath_tools import case, f, ode, second, swung, waves
 
@@ -57,6 +72,30 @@ def oscillators():
             f("3/10"),
             f("1/2"),
         ),
+    )
+    # The roots of 3 q^2 + (2/7 + 5/9) q + 7 - i 5/9 4.
+    damping = f("2/7") + f("5/9")
+    half_gap = sqrt(damping**2 - 12 * (7 - mpc(0, 20) / 9)) / 6
+    fast = -damping / 6 - half_gap
+    slow = -damping / 6 + half_gap
+    z0 = mpc(f("1/3"), -1)
+    v0 = mpc(2, f("1/5"))
+    part = (v0 - fast * z0) / (slow - fast)
+    rest = z0 - part
+    t = f("7/4")
+    z = part * exp(slow * t) + rest * exp(fast * t)
+    v = slow * part * exp(slow * t) + fast * rest * exp(fast * t)
+    case(
+        "whirling-shaft",
+        {
+            **{"mass": "3", "stiffness": "7", "outer_damping": "2/7", "inner_damping": "5/9"},
+            **{"turning": "4", "x0": "1/3,-1", "v0": "2,1/5"},
+        },
+        "7/4",
+        x=z.real,
+        y=z.imag,
+        vx=v.real,
+        vy=v.imag,
     )
     start, turn = waves(f("23/20"))
 

@@ -81,7 +81,8 @@ class WallPhases(PlanarPhases):
         # The wall is flat and does not turn: no curvature, and all of the torque is the sphere's.
         self.eps = Fraction(0)
         self.ease = [Fraction(5, 2), Fraction(0)]
-        self.friction = pair.friction * pair.rubs
+        self.friction = pair.friction
+        self.rests = self.friction > 0 and not pair.rubs
         spring = pair.tangential_stiffness * (self.friction > 0)
         fastest = max(pair.stiffness, spring * Fraction(7, 2)) / near(m)
         self.time = dyadic_root(1 / max(fastest, near(pair.damping / m) ** 2))

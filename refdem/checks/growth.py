@@ -1,0 +1,156 @@
+"""The rate at which a mass on a shaft that turns whirls wider, or settles.
+
+With z = x + i y from the spring's anchor, m z'' + c z' + (k - i K) z = 0 has two roots q1, q2 of
+m q^2 + c q + k - i K = 0, c the sum of all dampings, K the sum of c_j W_j of the fluids that turn.
+Whatever the start is,
+
+    a = z' - q2 z   is   a(0) exp(q1 t),
+
+for (d/dt - q1) (d/dt - q2) z = 0. So one state late in a run tells the larger of both real parts:
+ln |a(t)/a(0)|/t. It is positive above the border W = w0 (1 + c_e/c_i), and negative below.
+"""
+
+from collections.abc import Mapping
+
+import numpy as np
+from numpy.typing import NDArray
+
+from refdem.core.check import Check, CompletedRun, Subject
+from refdem.core.finding import Finding
+from refdem.core.judgement import Array, Sight, certified, judged, no_truth, undecided
+from refdem.core.refinement import scored
+from refdem.core.variant import Variant
+from refdem.scene import Scene
+from refdem.scene.elements.dashpot import Dashpot
+from refdem.scene.elements.rotating_dashpot import RotatingDashpot
+from refdem.scene.elements.spring import Spring
+
+Complex = NDArray[np.complex128]
+
+LEAST_PART = 1e-3
+"""Smallest |a(0)|, relative to its scale, of a start that shows the growth."""
+LARGEST_ERROR = 0.5
+"""Largest relative error of a(t) from which a rate is read."""
+
+
+class GrowthRate(Check):
+    """The rate of growth in the run is the largest real part of the roots: it decays where the
+    equilibrium is stable, and grows where it is not.
+    """
+
+    name = "growth"
+    title = "Growth rate"
+    kills = (
+        "damping inside a shaft that does not turn with it, or turns the other way; a method whose"
+        " own damping hides an instability, or whose own growth makes one"
+    )
+    synchronous = True
+
+    def applies(self, subject: Subject) -> str | None:
+        """One point on a linear spring in the plane, dashpots about its anchor, one of which turns;
+        a start that has a part in the growth.
+        """
+        scene = subject.instance.scene
+        if not scene.all(RotatingDashpot):
+            return "the scene has no fluid that turns"
+        if not _is_shaft(scene):
+            return "the scene is not one point on a linear spring, damped about its anchor"
+        _, second = roots(scene)
+        part = abs(_part(scene.bodies.position, scene.bodies.velocity, scene, second)[0])
+        if part < LEAST_PART * _scale(subject, second):
+            return "the start has no part in what grows"
+        return None
+
+    def needs(self, subject: Subject) -> tuple[Variant, ...]:
+        """The plain run at the finest level."""
+        return (subject.finest,)
+
+    def judge(self, subject: Subject, runs: Mapping[Variant, CompletedRun]) -> list[Finding]:
+        """One finding: the error of the rate, at the sample where it is known best."""
+        if certified(subject) is None:
+            return [undecided(self.name, "rate", no_truth(subject))]
+        allowed = subject.bound(subject.levels[-1])
+        count = scored(allowed)
+        scene = subject.instance.scene
+        first, second = roots(scene)
+        run = runs[subject.finest].trajectory
+        since = (run.t - run.t[0])[1:count]
+        part = np.abs(_part(run.position[:, 0], run.velocity[:, 0], scene, second)[:count])
+        true_part = part[0] * np.exp(first.real * since)
+        # x and y, vx and vy may each be off by their bound.
+        lost = np.sqrt(2.0) * allowed[1:count] * _scale(subject, second) / true_part
+        usable = lost < LARGEST_ERROR
+        if not np.any(usable):
+            why = "no state of the run is known well enough to tell a rate"
+            return [undecided(self.name, "rate", why)]
+        with np.errstate(invalid="ignore", divide="ignore"):
+            bounds = np.where(usable, -np.log1p(-lost) / since, np.inf)
+            rates = np.log(part[1:] / part[0]) / since
+        best = int(np.argmin(bounds))
+        bound = float(bounds[best])
+        rate = float(rates[best])
+        return [
+            judged(
+                check=self.name,
+                quantity="rate",
+                value=abs(rate - first.real),
+                bound=bound,
+                sight=Sight(bound, first.real - second.real),
+                unit="1/s",
+                basis=(
+                    "the error bound of the state at that time, as a part of what has grown until"
+                    f" then (the largest real part of the roots is {first.real:.4g} 1/s)"
+                ),
+                what=(
+                    f"The error of the rate of growth ({rate:.4g} 1/s until t = {since[best]:g} s)"
+                ),
+            )
+        ]
+
+
+def roots(scene: Scene) -> tuple[complex, complex]:
+    """The roots q1, q2 [1/s] of m q^2 + c q + k - i K, that with the larger real part first."""
+    mass = float(scene.bodies.mass[0])
+    damping = sum(dashpot.damping for dashpot in scene.all(Dashpot))
+    push = 0.0
+    for dashpot in scene.all(RotatingDashpot):
+        damping += dashpot.damping
+        push += dashpot.damping * dashpot.rate[2]
+    stiffness = scene.all(Spring)[0].stiffness
+    middle = -damping / (2 * mass)
+    half_gap = np.sqrt(complex(middle**2 - stiffness / mass, push / mass))
+    return complex(middle + half_gap), complex(middle - half_gap)
+
+
+def _is_shaft(scene: Scene) -> bool:
+    """True if the equation at the top of this file is that of the scene."""
+    springs = scene.all(Spring)
+    kinds = (Spring, Dashpot, RotatingDashpot)
+    has_other = any(not isinstance(element, kinds) for element in scene.elements)
+    if has_other or len(scene.bodies) != 1 or len(springs) != 1 or "dimension:3" in scene.features:
+        return False
+    (spring,) = springs
+    is_linear = spring.exponent == 1 and not spring.quadratic and not spring.cubic
+    is_dashpot_linear = not any(dashpot.van_der_pol for dashpot in scene.all(Dashpot))
+    is_about_anchor = all(
+        link.anchor_b == spring.anchor_b and not any(link.anchor_a)
+        for link in (spring, *scene.all(RotatingDashpot))
+    )
+    is_held = spring.stiffness > 0 and not spring.length and not scene.bodies.fixed.any()
+    return is_linear and is_dashpot_linear and is_about_anchor and is_held
+
+
+def _part(position: Array, velocity: Array, scene: Scene, second: complex) -> Complex:
+    """a = z' - q2 z (T,) [m/s] of places and velocities (T, 3)."""
+    place = position - np.array(scene.all(Spring)[0].anchor_b)
+    part: Complex = velocity[:, 0] + 1j * velocity[:, 1] - second * (place[:, 0] + 1j * place[:, 1])
+    return part
+
+
+def _scale(subject: Subject, second: complex) -> float:
+    """V + |q2| L [m/s]: the size of a for a state of the size of its scales."""
+    scales = subject.instance.scales
+    return float(scales.speed + abs(second) * scales.length)
+
+
+CHECK = GrowthRate()

@@ -1,0 +1,83 @@
+"""Faults of a dashpot whose fluid turns."""
+
+from functools import partial
+from typing import Any
+
+import msgspec
+
+from refdem.core.problem import Request
+from refdem.faults.change import late, of_bodies, of_elements, scaled
+from refdem.faults.fault import Fault
+from refdem.scene import Scene
+from refdem.scene.elements.dashpot import Dashpot
+from refdem.scene.elements.rotating_dashpot import RotatingDashpot
+
+SHAFTS = ("shaft", "slow-shaft")
+whirling = partial(Fault, kind="whirling", on=SHAFTS, sees=("error", "x"))
+
+
+def _exchanged(request: Request) -> Request:
+    """The dashpot at rest has the damping of the one that turns, and the other way round."""
+    scene = request.problem.scene
+    outer = scene.all(Dashpot)[0].damping
+    inner = scene.all(RotatingDashpot)[0].damping
+
+    def changed(element: Any) -> Any:
+        if isinstance(element, Dashpot):
+            return msgspec.structs.replace(element, damping=inner)
+        if isinstance(element, RotatingDashpot):
+            return msgspec.structs.replace(element, damping=outer)
+        return element
+
+    elements = tuple(changed(element) for element in scene.elements)
+    return request.with_scene(Scene(scene.bodies, elements))
+
+
+FAULTS = (
+    whirling(
+        name="fluid-at-rest",
+        sentence="The fluid that turns is at rest: no speed makes the motion unstable.",
+        sees=("growth", "rate"),
+        before=of_elements(RotatingDashpot, rate=scaled(0.0)),
+    ),
+    whirling(
+        name="fluid-turns-back",
+        sentence="The fluid turns the other way.",
+        before=of_elements(RotatingDashpot, rate=scaled(-1.0)),
+    ),
+    whirling(
+        name="dashpots-exchanged",
+        sentence="The damping of the fluid at rest is that of the fluid that turns.",
+        before=_exchanged,
+    ),
+    whirling(
+        name="fluid-half-as-fast",
+        sentence="The fluid turns at half its speed.",
+        before=of_elements(RotatingDashpot, rate=scaled(0.5)),
+    ),
+    whirling(
+        name="fluid-one-percent",
+        sentence="The fluid turns 1 % too fast.",
+        levels=5,
+        before=of_elements(RotatingDashpot, rate=scaled(1.01)),
+    ),
+    whirling(
+        name="shaft-mass-misread",
+        sentence="The mass is 1 % too large.",
+        levels=5,
+        before=of_bodies(mass=lambda mass: 1.01 * mass),
+    ),
+    whirling(
+        name="fluid-energy",
+        sentence="The fluid that turns resists 10 % more than that of the scene.",
+        sees=("energy", "finest"),
+        before=of_elements(RotatingDashpot, damping=scaled(1.1)),
+    ),
+    whirling(
+        name="fluid-late",
+        sentence="The fluid that turns acts with the velocity of the evaluation before.",
+        method="rk4",
+        sees=("order", "state"),
+        inside=late("rotating_dashpot_force"),
+    ),
+)
