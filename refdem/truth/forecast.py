@@ -128,7 +128,7 @@ class Course:
     believed. `clock` turns a time [s] into that in which the motion goes on at an even pace; the
     methods speak of times by it. `swelling` foresees how an error grows that is there already.
     `entries` has, for each event passed, the mode that it entered and the number of the mark there;
-    `has_events` says that there may be some, and no clock.
+    `has_events` says that there may be some that no clock foresees.
     """
 
     bits: int
@@ -142,8 +142,10 @@ class Course:
 
     def cycle_entries(self) -> list[Mark]:
         """The marks at the entries into the mode that has been entered most often, of those the
-        last one to be entered; empty where no mode was entered twice.
+        last one to be entered; empty where no mode was entered twice, or a clock knows more.
         """
+        if not self.has_events:
+            return []
         by_mode: dict[str | None, list[Mark]] = {}
         for mode, number in self.entries:
             by_mode.setdefault(mode, []).append(self.marks[number])

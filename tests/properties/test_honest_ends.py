@@ -216,6 +216,8 @@ def test_a_motion_through_events_says_what_it_will_cost_and_is_not_displaced():
         ("stick-slip", {"gamma": "0.609", "eta": "1.094", "belt": "-0.87"}, "58.37", 20),
         ("stick-slip", {"gamma": "0.532", "eta": "2.637", "belt": "-0.75"}, "18.49", 60),
         ("stick-slip", {"gamma": "0.179", "eta": "0.507", "belt": "0.641"}, "54.57", 40),
+        # It begins to slip, and is about to stick, where no scout goes on.
+        ("stick-slip", {"a": "14.94"}, "99.01", 41),
         # It flies, and the proof needs more bits than the set at the end of a piece tells.
         ("neglected-gyroscopic", {"member": "slope"}, "0.02", 40),
         ("neglected-gyroscopic", {"member": "slope"}, "0.1", 40),

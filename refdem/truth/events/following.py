@@ -7,7 +7,7 @@ from flint import arb
 from refdem.truth.balls import UndecidedError, arb_of, largest, precision
 from refdem.truth.events.motion import Followed
 from refdem.truth.events.scout import PROBES, EventScout, can_be_scouted
-from refdem.truth.forecast import FEW_PIECES, SCOUTED_SHARE, Course
+from refdem.truth.forecast import FEW_PIECES, SCOUTED_SHARE, Course, seconds_themselves
 from refdem.truth.validated_ivp.integration import GUARD
 
 
@@ -27,10 +27,7 @@ class Following:
         self.excess = arb(1)
         self.is_final = False
         self.is_scouted = can_be_scouted(motion)
-        if self.is_scouted:
-            course.has_events = False
-            course.least = FEW_PIECES
-            course.share = SCOUTED_SHARE
+        course.has_events = not self.is_scouted
 
     def step(self) -> bool:
         """Follows the motion by one window; False where it is over or cannot be followed."""
@@ -40,10 +37,9 @@ class Following:
         except UndecidedError as error:
             self.is_final = error.final
             return False
-        if not self.is_scouted:
-            # The mark of this step is the next one.
-            number = len(self.course.marks)
-            self.course.entries += [(event.mode, number) for event in self.motion.events[passed:]]
+        # The mark of this step is the next one.
+        number = len(self.course.marks)
+        self.course.entries += [(event.mode, number) for event in self.motion.events[passed:]]
         return not self.motion.over()
 
     def state(self) -> tuple[Fraction, int, arb]:
@@ -62,14 +58,28 @@ class Following:
         return motion.reached(), pieces, read
 
     def look_ahead(self, steps: int, t: float) -> None:
-        """Sends the scout so many steps on, up to t [s], once the motion shows a pace."""
+        """Sends the scout so many steps on, up to t [s], once the motion shows a pace.
+
+        Few pieces are enough where it came to t. Where it can go no further (a series that ends has
+        no radius) the pace is that of cycles.
+        """
         if not self.is_scouted:
             return
         if self.scout is None and len(self.motion.phases[-1].pieces) >= PROBES:
             self.scout = EventScout(self.motion)
-            self.course.clock = self.scout.clock
-        if self.scout is not None:
-            self.scout.go_on(steps, t)
+        if self.scout is None:
+            return
+        self.scout.go_on(steps, t)
+        course = self.course
+        if self.scout.is_over or self.scout.times[-1] >= t:
+            course.least = FEW_PIECES
+            course.share = SCOUTED_SHARE
+        elif self.scout.ended:
+            self.is_scouted = False
+            course.has_events = True
+            course.clock = seconds_themselves
+            return
+        course.clock = self.scout.clock
 
 
 def read_radius(motion: Followed) -> arb:

@@ -46,13 +46,13 @@ class EventScout:
 
     def __init__(self, motion: Followed) -> None:
         self.motion = motion
-        self.paces: dict[int, float] = {}
+        # By mode.
+        self.pieces_per_step: dict[int, float] = {}
         self.ended = False
         self.is_over = False
         phase = motion.phases[-1]
         self.times = [float(motion.reached())]
         self.pieces = [0.0]
-        self.paces[id(phase.mode)] = pace_of(phase)
         # The last piece may reach beyond an event that has not been looked for.
         with precision(phase.bits):
             state = phase.at(arb_of(phase.searched))
@@ -89,29 +89,32 @@ class EventScout:
         with precision(BITS):
             event = self.event_in(length)
             if event is None:
-                self.note(length)
+                self.note(length, length)
             else:
                 guard, since = event
-                self.note(since)
+                self.note(since, length)
                 self.pass_event(guard, self.state_after(since))
 
-    def note(self, length: float) -> None:
-        """Notes a step of that length [s], and its pieces at the pace of the mode."""
-        if id(self.mode) not in self.paces:
-            self.paces[id(self.mode)] = self.probed(length)
+    def note(self, length: float, whole: float) -> None:
+        """Notes `length` [s] of a step that is `whole` [s] long, and its pieces."""
+        mode = id(self.mode)
+        if mode not in self.pieces_per_step:
+            self.pieces_per_step[mode] = pace_of(self.probed(length)) * whole
         self.times.append(self.times[-1] + length)
-        self.pieces.append(self.pieces[-1] + length * self.paces[id(self.mode)])
+        self.pieces.append(self.pieces[-1] + self.pieces_per_step[mode] * length / whole)
 
-    def probed(self, length: float) -> float:
-        """Pieces a second in the mode that has been entered, as a proof makes them there; what
+    def probed(self, length: float) -> Phase:
+        """The first pieces in the mode that has been entered, as a proof makes them there; what
         `length` [s] does not need is not made.
         """
         last = self.motion.phases[-1]
+        if self.mode is last.mode and len(last.pieces) >= PROBES:
+            return last
         spread = at_start(last.spread.radii())
         probe = Phase(self.mode, self.entry, self.state, spread, last.bits, last.steps)
         while len(probe.pieces) < PROBES and probe.end < length:
             probe.advance()
-        return pace_of(probe)
+        return probe
 
     def event_in(self, length: float) -> tuple[Guard, float] | None:
         """The guard that changes its sign first in the last step, of that length [s], and the time
