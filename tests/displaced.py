@@ -17,8 +17,8 @@ from refdem.truth.collision import Collision
 from refdem.truth.from_rest import FromRest
 from tests.touching import touching_starts
 
-DIGITS = 60
-SIZE = Fraction(1, 10**30)
+DIGITS = 40
+SIZE = Fraction(1, 10**19)
 """Of a displacement, in scales: what is not linear in it is about as small a part of the answer."""
 DIRECTIONS = 2
 """Random directions of each start, besides those along its coordinates."""
@@ -37,6 +37,8 @@ BY_PARAMETERS = {
     "two-spheres": "closing_speed angle spins",
 }
 """Parameters that are the start of cases whose truths are not displaced themselves."""
+DROPPED = ("dem-01", "dem-02")
+"""Members of impact-benchmarks that begin with a fall from rest."""
 Amounts = Sequence[Fraction]
 """Parts of SIZE by which each coordinate of a start is displaced."""
 
@@ -148,16 +150,35 @@ def by_parameters(
     return found
 
 
+def along_axes(count: int) -> list[Amounts]:
+    """One displacement along each of so many coordinates."""
+    return [[Fraction(int(i == j)) for j in range(count)] for i in range(count)]
+
+
+def dropped_starts(instance: Instance, given: Mapping[str, str], truth: Any) -> list[Any]:
+    """What is dropped from rest, from a little higher, and a little later in its fall: what that
+    moves is a velocity.
+    """
+    size = SIZE * Fraction(min(quantity.scale for quantity in instance.quantities.values()))
+    higher = {**given, "height": str(Fraction(given["height"]) + size)}
+    delay = size / Fraction(given["gravity"])
+    return [everything(instance.case.at(**higher).truth()), Later(truth, delay)]
+
+
 def displaced_starts(
     instance: Instance, given: Mapping[str, str], truth: Any, rng: random.Random
 ) -> tuple[list[Amounts], list[Any]]:
-    """The displacements of the start of a case at the setting `given`, and a truth for each."""
+    """The displacements of the start of a case at the setting `given`, and a truth for each.
+
+    Of spheres that touch, and of what is dropped, there is one for each coordinate and no other.
+    """
     case = instance.case.id
     if isinstance(truth, Collision):
         moved = touching_starts(truth, SIZE, everything)
-        count = len(moved)
-        alone = [[Fraction(int(i == j)) for j in range(count)] for i in range(count)]
-        return alone, moved
+        return along_axes(len(moved)), moved
+    if given.get("member") in DROPPED:
+        moved = dropped_starts(instance, given, truth)
+        return along_axes(len(moved)), moved
     if is_displaced_itself(case, truth):
         starts = combinations(rng, len(truth.state))
         return starts, by_coordinates(truth, starts)

@@ -1,7 +1,8 @@
 """What a motion that is integrated is about to cost: it is followed for a while, and goes on at the
 pace of the later half of that. Where the motion has a clock of its own that says how fast it will
-be (scout.py), the pace is that by the clock. Where it goes through events its modes have paces of
-their own, and it goes on at that of whole cycles: from entry to entry into one mode.
+be (scout.py, events/scout.py), the pace is that by the clock. Where it goes through events without
+one its modes have paces of their own, and it goes on at that of whole cycles: from entry to entry
+into one mode.
 
 Following takes long itself where the motion is dear, so that whoever asks within `told_to` hears of
 every forecast on the way, of the rough one after the first piece before all others. The first
@@ -23,16 +24,30 @@ from flint import arb
 
 SHARE = 8
 """The part of a forecast that may be spent on it: the eighth."""
+SCOUTED_SHARE = 24
+"""That part where the pieces of all modes are known ahead of the proof."""
 PIECES = 16
 """That are made in any case."""
 WITHOUT_CYCLE = 4 * PIECES
 """Pieces that are made of a motion through events before its pace is believed without a cycle."""
-EXPONENT = 1.5
-"""Of the bits, in the cost of a piece: between 1 and 2 from 128 to 1024 bits, where the order grows
-as the bits do.
+LINEAR_BITS = 128
+"""Bits b at which the part of b in the cost of a piece is as large as that which no bits change.
+
+Both parts were measured from 64 to 1536 bits of seven motions, each within a factor of 1.7 of its
+own: a power alone is 2 to 3 times too high from 96 to 384 bits, of which motions that lose many
+bits ask.
 """
+QUADRATIC_BITS = 220
+"""Bits at which the part of b^2 is as large as that."""
 TOO_LARGE = -24.0
 """log2 of the radius of a set that can be enclosed no further."""
+UNSURE = 4.0
+"""Bits by which the radius differs from piece to piece, where it is read."""
+UNSURE_PART = 0.25
+"""The part of what a radius is foreseen to grow that is not known. A forecast that counts half of
+the work with more bits is within a factor of 2.5 of either answer; one that counts all of it or
+none would be off by that of both.
+"""
 TRIES = 8
 """Precisions that are looked at."""
 
@@ -74,6 +89,15 @@ def told_to(listener: Listener) -> Iterator[None]:
         _LISTENER.reset(before)
 
 
+def heavier(bits: int, than: int) -> float:
+    """How many times as long a piece with so many bits takes as one with `than` bits."""
+
+    def cost(b: int) -> float:
+        return 1 + b / LINEAR_BITS + (b / QUADRATIC_BITS) ** 2
+
+    return cost(bits) / cost(than)
+
+
 @dataclass(frozen=True)
 class Mark:
     """How far a motion has been followed: the time reached, pieces and CPU seconds since the start,
@@ -100,10 +124,11 @@ def no_swelling(t: float) -> float:
 class Course:
     """A motion as far as it was followed at some precision.
 
-    `clock` turns a time [s] into that in which the motion goes on at an even pace; the methods
-    speak of times by it. `swelling` foresees how an error grows that is there already. `entries`
-    has, for each event passed, the mode that it entered and the number of the mark there;
-    `has_events` says that there may be some.
+    At least `least` pieces, and the part 1/`share` of what is left, are made before a forecast is
+    believed. `clock` turns a time [s] into that in which the motion goes on at an even pace; the
+    methods speak of times by it. `swelling` foresees how an error grows that is there already.
+    `entries` has, for each event passed, the mode that it entered and the number of the mark there;
+    `has_events` says that there may be some that no clock foresees.
     """
 
     bits: int
@@ -111,12 +136,16 @@ class Course:
     clock: Clock = seconds_themselves
     swelling: Swelling = no_swelling
     has_events: bool = False
+    least: int = PIECES
+    share: int = SHARE
     entries: list[tuple[str | None, int]] = field(default_factory=list)
 
     def cycle_entries(self) -> list[Mark]:
         """The marks at the entries into the mode that has been entered most often, of those the
-        last one to be entered; empty where no mode was entered twice.
+        last one to be entered; empty where no mode was entered twice, or a clock knows more.
         """
+        if not self.has_events:
+            return []
         by_mode: dict[str | None, list[Mark]] = {}
         for mode, number in self.entries:
             by_mode.setdefault(mode, []).append(self.marks[number])
@@ -132,11 +161,23 @@ class Course:
         made = self.marks[-1].pieces - self.marks[0].pieces
         return not self.has_events or made >= WITHOUT_CYCLE or bool(self.cycle_entries())
 
+    def thin(self) -> list[Mark]:
+        """The marks before the set became too large: what it does from there on, more and more
+        pieces for less and less time, a proof with more bits does not.
+        """
+        count = next(
+            (number for number, mark in enumerate(self.marks) if mark.radius > TOO_LARGE),
+            len(self.marks),
+        )
+        if count < 2:
+            return self.marks
+        return self.marks[:count]
+
     def later_half(self) -> tuple[Mark, Mark]:
         """The mark at which half of the time had passed, and the last one, both by the clock; those
         at the entries into one mode where there are cycles.
         """
-        marks = self.cycle_entries() or self.marks
+        marks = self.cycle_entries() or self.thin()
         last = replace(marks[-1], time=self.clock(marks[-1].time))
         middle = (self.clock(marks[0].time) + last.time) / 2
         # Marks rise in time, and their times by the clock do too.
@@ -166,7 +207,9 @@ class Course:
         passed = last.time - half.time
         ahead = t - last.time
         growth = 0.0
-        if passed > 0:
+        # The first pieces of a set that begins as a point say nothing of how it grows.
+        made = self.marks[-1].pieces - self.marks[0].pieces
+        if passed > 0 and made >= PIECES:
             swelled = self.swelling(last.time) - self.swelling(half.time)
             growth = (last.radius - half.radius - swelled) / passed
         if ahead > 0:
@@ -195,20 +238,38 @@ class Course:
         bits = self.bits
         end = min(t, max(last.time, self.time_of(TOO_LARGE, t)))
         work = max(0.0, self.pieces_to(end) - self.pieces_since())
+        chance = 1.0
         for _ in range(TRIES):
             # A set is thinner by the bits that are more.
             thinner = bits - self.bits
             ends = self.time_of(TOO_LARGE + thinner, t) < t
             lacking = self.radius_at(t) - thinner - target
-            if not ends and lacking <= 0:
+            if not ends:
+                chance *= self.chance_of_lacking(lacking, t)
+            if not chance:
                 break
-            more = next_bits(bits, None if ends else lacking)
+            more = next_bits(bits, None if ends else max(0.0, lacking))
             if more is None:
                 break
             bits = more
             reached = min(t, self.time_of(TOO_LARGE + bits - self.bits, t))
-            work += (last.pieces + self.pieces_to(reached)) * (bits / self.bits) ** EXPONENT
+            pieces = last.pieces + self.pieces_to(reached)
+            work += chance * pieces * heavier(bits, self.bits)
         return work
+
+    def chance_of_lacking(self, lacking: float, t: float) -> float:
+        """The part of the work with more bits that is counted where that many bits are foreseen to
+        be lacking at t: rising from 0 to 1 where the two differ by no more than the forecast does.
+        """
+        last = self.later_half()[1]
+        unsure = UNSURE + UNSURE_PART * abs(self.radius_at(t) - last.radius)
+        return min(1.0, max(0.0, (1.0 + lacking / unsure) / 2))
+
+    def is_enough(self, made: int, left: float, seconds: float) -> bool:
+        """Whether what was `made` [pieces] says how much is `left` [pieces, CPU seconds]."""
+        if made < self.least:
+            return made >= FEW_PIECES and seconds > FAR_BEYOND * HOPELESS
+        return made * self.share >= left or seconds > HOPELESS
 
     def seconds_for(self, work: float) -> float:
         """CPU seconds for so many pieces, at what those so far took."""
@@ -261,12 +322,5 @@ def follow(
         if pieces_made >= telling:
             tell(seconds)
             telling = 2 * pieces_made
-        if course.has_pace() and is_enough(pieces_made, left, seconds):
+        if course.has_pace() and course.is_enough(pieces_made, left, seconds):
             break
-
-
-def is_enough(made: int, left: float, seconds: float) -> bool:
-    """Whether what was `made` [pieces] says how much is `left` [pieces, CPU seconds]."""
-    if made < PIECES:
-        return made >= FEW_PIECES and seconds > FAR_BEYOND * HOPELESS
-    return made * SHARE >= left or seconds > HOPELESS

@@ -37,10 +37,10 @@ class Scout:
     the program of the field's Jacobian, row after row.
 
     A neighbour, displaced at the start in the coordinates `moved`, makes the same steps. `times`
-    has the ends of the steps, and `swellings` log2 of the growth of the displacement up to each.
-    `ended` says that no step goes on from the last one: the series is not finite there, or does not
-    end (a motion at rest). `is_singular` says that steps have shrunk to nothing before a
-    singularity, beyond which a proof makes no pieces.
+    has the ends of the steps, `polynomials` is the series of the last one, and `swellings` log2 of
+    the growth of the displacement up to each. `ended` says that no step goes on from the last one:
+    the series is not finite there, or does not end (a motion at rest). `is_singular` says that
+    steps have shrunk to nothing before a singularity, beyond which a proof makes no pieces.
     """
 
     def __init__(
@@ -55,6 +55,7 @@ class Scout:
         self.slopes = slopes
         self.y = [value.mid() for value in start]
         self.gap = [arb(int(i in moved)) for i in range(len(self.y))]
+        self.polynomials: list[arb_poly] = []
         self.times = [begin]
         self.swellings = [0.0]
         self.fastest = [0.0] * len(self.y)
@@ -76,6 +77,7 @@ class Scout:
         self.ended = not is_made
         if is_made:
             self.y = following
+            self.polynomials = polynomials
             self.times.append(self.times[-1] + length)
             self.swell(gap)
             self.longest = max(self.longest, length)

@@ -17,9 +17,10 @@ from refdem.truth.closed_forms import duffing
 from refdem.truth.escape import Repulsion
 from refdem.truth.events.crossing import SwitchError
 from refdem.truth.events.truth import LADDER
-from refdem.truth.forecast import EXPONENT, PIECES, Course, Mark
+from refdem.truth.forecast import FEW_PIECES, PIECES, Course, Mark, heavier
 from refdem.truth.refiner import Refiner
 from refdem.truth.validated_flow import ValidatedFlow, never
+from tests.truth.events.systems import flow, swinging
 
 
 class Torn(ClosedForm):
@@ -215,6 +216,8 @@ def test_a_motion_through_events_says_what_it_will_cost_and_is_not_displaced():
         ("stick-slip", {"gamma": "0.609", "eta": "1.094", "belt": "-0.87"}, "58.37", 20),
         ("stick-slip", {"gamma": "0.532", "eta": "2.637", "belt": "-0.75"}, "18.49", 60),
         ("stick-slip", {"gamma": "0.179", "eta": "0.507", "belt": "0.641"}, "54.57", 40),
+        # It begins to slip, and is about to stick, where no scout goes on.
+        ("stick-slip", {"a": "14.94"}, "99.01", 41),
         # It flies, and the proof needs more bits than the set at the end of a piece tells.
         ("neglected-gyroscopic", {"member": "slope"}, "0.02", 40),
         ("neglected-gyroscopic", {"member": "slope"}, "0.1", 40),
@@ -230,10 +233,38 @@ def test_a_forecast_through_events_is_within_a_factor_of_three_in_pieces(case, g
     work = 0.0
     for key, motion in truth.proof.kept.items():
         pieces = sum(len(phase.pieces) for phase in motion.phases)
-        work += pieces * (key[1] / course.bits) ** EXPONENT
+        work += pieces * heavier(key[1], course.bits)
     left = work - made
     # A motion that is all but followed has nothing left to be wrong about.
     assert told / 3 - PIECES < left < 3 * told + PIECES
+
+
+def test_a_forecast_knows_of_the_contact_that_a_flight_ends_with():
+    """Counted work, no clock: eight pieces of flight before it, of which four are made, and then
+    some thirty of the contact.
+    """
+    truth = discovery.case("neglected-gyroscopic").at(member="slope").truth().refined(12)
+    course = Course(truth.proof.needed()[0], has_events=True)
+    t = Fraction("0.1294")
+    told = truth.proof.foreseen(t, course)
+    made = course.marks[-1].pieces
+    assert made == FEW_PIECES
+    truth.at(t)
+    [motion] = [motion for key, motion in truth.proof.kept.items() if key[0] == "motion"]
+    assert motion.events
+    left = sum(len(phase.pieces) for phase in motion.phases) - made
+    assert told / 2 < left < 2 * told
+
+
+def test_a_motion_that_ends_while_it_is_followed_costs_nothing_more():
+    """A swing of amplitude 1 touches the level 1, which no bits tell from a crossing."""
+    truth = flow(swinging(Fraction(1)), [Fraction(0), Fraction(1), 0], "swing")
+    t = Fraction(1000)
+    course = Course(LADDER[1], has_events=True)
+    assert truth.proof.foreseen(t, course) == 0
+    assert course.marks[-1].time < 2
+    with pytest.raises(NotCertifiedError, match="grazing"):
+        truth.at(t)
 
 
 def test_the_pace_of_a_motion_through_events_is_that_from_entry_to_entry_into_one_mode():

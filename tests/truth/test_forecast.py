@@ -10,7 +10,7 @@ from refdem.core.selection import Selection
 from refdem.errors import RefdemError
 from refdem.truth.contact_motion import ContactMotion
 from refdem.truth.events.motion import HybridMotion
-from refdem.truth.forecast import FAR_BEYOND, FEW_PIECES, HOPELESS, PIECES, is_enough, told_to
+from refdem.truth.forecast import FAR_BEYOND, FEW_PIECES, HOPELESS, PIECES, Course, told_to
 from refdem.truth.validated_ivp.integration import Chain
 
 FAR = 10_000
@@ -96,6 +96,7 @@ def test_forecasts_are_told_at_every_doubling_and_to_nobody_afterwards():
 
 
 def test_what_nobody_can_wait_for_is_believed_after_few_pieces_and_a_jerk_at_the_start_is_not():
+    is_enough = Course(100).is_enough
     assert is_enough(FEW_PIECES, 1e9, 1.1 * FAR_BEYOND * HOPELESS)
     assert not is_enough(FEW_PIECES, 1e9, 0.9 * FAR_BEYOND * HOPELESS)
     assert not is_enough(FEW_PIECES - 1, 1e9, 1.1 * FAR_BEYOND * HOPELESS)

@@ -11,7 +11,7 @@ from flint import arb
 
 from refdem.core.discovery import truth_of
 from refdem.truth.balls import arb_of, precision
-from refdem.truth.forecast import EXPONENT, PIECES, Course, Mark
+from refdem.truth.forecast import PIECES, Course, Mark, heavier
 from refdem.truth.growth import WIDEST
 from refdem.truth.validated_flow import ValidatedFlow
 from tests.truth.validated_ivp.fields import harmonic, pendulum, van_der_pol
@@ -126,7 +126,7 @@ def weighed(truth, first, made):
     found = {
         key[1]: len(flow.pieces) for key, flow in truth.kept.items() if key[0] == "integration"
     }
-    return sum(count * (bits / first) ** EXPONENT for bits, count in found.items()) - made
+    return sum(count * heavier(bits, first) for bits, count in found.items()) - made
 
 
 @pytest.mark.parametrize(
@@ -240,7 +240,7 @@ def test_a_forecast_sees_the_bits_that_sets_lose_by_wrapping_whip_after_whip():
     course = Course(truth.bits())
     told = truth.foreseen(Fraction(2), course)
     assert course.bits == 160
-    work = 803 + 788 * (200 / 160) ** EXPONENT
+    work = 803 + 788 * heavier(200, 160)
     assert work / 1.6 < told + course.marks[-1].pieces < 1.6 * work
 
 
@@ -267,7 +267,34 @@ def test_a_motion_that_loses_bits_is_counted_again_with_more():
     once = course.work_to(8.0, -60.0, lambda bits, lacking: None)
     assert once == pytest.approx(36.0)
     twice = course.work_to(8.0, -60.0, lambda bits, lacking: 2 * bits if bits == 100 else None)
-    assert twice == pytest.approx(36.0 + 80.0 * 2**EXPONENT)
+    assert twice == pytest.approx(36.0 + 80.0 * heavier(200, 100))
+
+
+def test_what_a_set_does_that_is_too_large_is_not_the_pace_of_a_thinner_one():
+    """Ten pieces and ten bits a second up to 2^-30; then the set is too large for 100 bits, and
+    hundreds of pieces come no farther. With 200 bits there are 100 pieces to t = 10.
+    """
+    thin = [Mark(float(t), 10 * t, float(t), -80.0 + 10 * t) for t in range(6)]
+    large = [Mark(5.6, 20, 5.6, -20.0), Mark(5.7, 200, 20.0, 0.0), Mark(5.71, 500, 50.0, 30.0)]
+    course = Course(100, thin + large)
+    work = course.work_to(10.0, -60.0, lambda bits, lacking: 2 * bits if bits == 100 else None)
+    assert work == pytest.approx(100.0 * heavier(200, 100))
+
+
+def test_where_bits_may_or_may_not_suffice_half_of_the_work_with_more_is_counted():
+    """A bit too few or too many is less than a forecast knows: the work is the same, about."""
+    course = Course(100, [Mark(float(t), 20 * t, float(t), -90.0 + t) for t in range(3)])
+
+    def work(target):
+        return course.work_to(10.0, target, lambda bits, lacking: 2 * bits if bits == 100 else None)
+
+    radius = course.radius_at(10.0)
+    enough = 160.0
+    more = 200.0 * heavier(200, 100)
+    assert work(radius) == pytest.approx(enough + more / 2)
+    assert work(radius - 1) < 1.4 * work(radius + 1)
+    assert work(radius - 20) == pytest.approx(enough + more)
+    assert work(radius + 20) == pytest.approx(enough)
 
 
 def test_a_state_costs_no_further_piece_once_its_piece_exists():

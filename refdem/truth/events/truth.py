@@ -29,9 +29,10 @@ from flint import arb, arb_mat, ctx
 
 from refdem.core.truth import Ball, Truth
 from refdem.errors import NotCertifiedError
-from refdem.truth.balls import Guarded, UndecidedError, arb_of, ball_of, largest, precision
+from refdem.truth.balls import Guarded, UndecidedError, arb_of, ball_of, precision
 from refdem.truth.closed_form import per_precision
 from refdem.truth.events.crossing import SwitchError
+from refdem.truth.events.following import Following
 from refdem.truth.events.motion import Followed, HybridMotion, at_fixed_time, first_entry
 from refdem.truth.events.phase import Phase
 from refdem.truth.events.system import (
@@ -46,7 +47,7 @@ from refdem.truth.events.system import (
 from refdem.truth.forecast import Course, follow
 from refdem.truth.growth import Fundamental, Grows, Growth, Norm, Retimed, Stretch, smooth
 from refdem.truth.refiner import Refiner, Size
-from refdem.truth.validated_flow import Quantities, TracedReading, balls_of
+from refdem.truth.validated_flow import AHEAD, Quantities, TracedReading, balls_of
 from refdem.truth.validated_ivp.integration import GUARD, Piece
 
 LADDER = (192, 256, 384, 512, 768, 1024, 1536)
@@ -201,33 +202,21 @@ class EventProof(Guarded, Generic[Motion]):
         target = log2(self.refiner.target().numerator) - log2(self.refiner.target().denominator)
         time = float(t)
         motion = self.motion(course.bits)
+        following = Following(motion, course)
 
         def next_bits(bits: int, lacking: float | None) -> int | None:
             return next((rung for rung in LADDER if rung > bits), None)
 
-        def step() -> bool:
-            """Follows the motion by one window; False where it is over or cannot be followed."""
-            passed = len(motion.events)
-            try:
-                motion.follow()
-            except UndecidedError:
-                return False
-            # The mark of this step is the next one.
-            course.entries += [(event.mode, len(course.marks)) for event in motion.events[passed:]]
-            return not motion.over()
-
-        def state() -> tuple[Fraction, int, arb]:
-            pieces = sum(len(phase.pieces) for phase in motion.phases)
-            return motion.reached(), pieces, read_radius(motion)
-
         def work() -> float:
+            """What is left, as the scout sees it, who goes AHEAD of each window."""
+            following.look_ahead(AHEAD, time)
             return course.work_to(time, target, next_bits)
 
         if motion.over():
             return 0.0
-        follow(course, state, step, t, work)
+        follow(course, following.state, following.step, t, work)
         # What is over, or ends, costs nothing more.
-        if motion.over():
+        if motion.over() or following.is_final:
             return 0.0
         return work()
 
@@ -352,19 +341,6 @@ class EventProof(Guarded, Generic[Motion]):
             inner = at_fixed_time(after, after.entered) * jump
             chart = self.system.chart(motion, after, after.entered)
             return chart * self.system.beside(inner)
-
-
-def read_radius(motion: Followed) -> arb:
-    """The largest radius of a state as `at` reads it where the motion has been followed to: within
-    a piece the set is bounded by the Gronwall inequality, and is larger than the set at its end.
-    """
-    phase = motion.phases[-1]
-    if not phase.pieces:
-        return largest(phase.spread.radii())
-    piece = phase.pieces[-1]
-    with precision(phase.bits + GUARD):
-        state = piece.at(arb_of(piece.length))
-    return largest([value.rad() for value in state])
 
 
 class HybridFlow(Guarded, Truth):

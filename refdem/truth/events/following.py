@@ -1,0 +1,95 @@
+"""A motion through events that is followed for a forecast of what its proof costs (forecast.py)."""
+
+from fractions import Fraction
+
+from flint import arb
+
+from refdem.truth.balls import UndecidedError, arb_of, largest, precision
+from refdem.truth.events.motion import Followed
+from refdem.truth.events.scout import PROBES, EventScout, can_be_scouted
+from refdem.truth.forecast import FEW_PIECES, SCOUTED_SHARE, Course, seconds_themselves
+from refdem.truth.validated_ivp.integration import GUARD
+
+
+class Following:
+    """The motion and the course on which its steps are marked.
+
+    A motion that can be scouted goes on at the pace of its scout, which knows the pieces of modes
+    to come; another one at that of its cycles. `is_final` says that it ended where more bits do not
+    help.
+    """
+
+    def __init__(self, motion: Followed, course: Course) -> None:
+        self.motion = motion
+        self.course = course
+        self.scout: EventScout | None = None
+        # How many times the radius of the set `at` has read at most.
+        self.excess = arb(1)
+        self.is_final = False
+        self.is_scouted = can_be_scouted(motion)
+        course.has_events = not self.is_scouted
+
+    def step(self) -> bool:
+        """Follows the motion by one window; False where it is over or cannot be followed."""
+        passed = len(self.motion.events)
+        try:
+            self.motion.follow()
+        except UndecidedError as error:
+            self.is_final = error.final
+            return False
+        # The mark of this step is the next one.
+        number = len(self.course.marks)
+        self.course.entries += [(event.mode, number) for event in self.motion.events[passed:]]
+        return not self.motion.over()
+
+    def state(self) -> tuple[Fraction, int, arb]:
+        """The time [s] reached, the pieces made, and the radius of the set times how far `at` was
+        ever above it.
+
+        What `at` reads within a piece depends on the mode, and t may lie in another one.
+        """
+        motion = self.motion
+        pieces = sum(len(phase.pieces) for phase in motion.phases)
+        of_set = largest(motion.phases[-1].spread.radii())
+        read = read_radius(motion)
+        if of_set > 0:
+            self.excess = max(self.excess, read / of_set)
+            read = of_set * self.excess
+        return motion.reached(), pieces, read
+
+    def look_ahead(self, steps: int, t: float) -> None:
+        """Sends the scout so many steps on, up to t [s], once the motion shows a pace.
+
+        Few pieces are enough where it came to t. Where it can go no further (a series that ends has
+        no radius) the pace is that of cycles.
+        """
+        if not self.is_scouted:
+            return
+        if self.scout is None and len(self.motion.phases[-1].pieces) >= PROBES:
+            self.scout = EventScout(self.motion)
+        if self.scout is None:
+            return
+        self.scout.go_on(steps, t)
+        course = self.course
+        if self.scout.is_over or self.scout.times[-1] >= t:
+            course.least = FEW_PIECES
+            course.share = SCOUTED_SHARE
+        elif self.scout.ended:
+            self.is_scouted = False
+            course.has_events = True
+            course.clock = seconds_themselves
+            return
+        course.clock = self.scout.clock
+
+
+def read_radius(motion: Followed) -> arb:
+    """The largest radius of a state as `at` reads it where the motion has been followed to: within
+    a piece the set is bounded by the Gronwall inequality, and is larger than the set at its end.
+    """
+    phase = motion.phases[-1]
+    if not phase.pieces:
+        return largest(phase.spread.radii())
+    piece = phase.pieces[-1]
+    with precision(phase.bits + GUARD):
+        state = piece.at(arb_of(piece.length))
+    return largest([value.rad() for value in state])
