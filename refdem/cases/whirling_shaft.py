@@ -19,7 +19,11 @@ from refdem.scene.elements.spring import Spring
 Array = NDArray[np.float64]
 
 PHASE = 20.0
-"""Duration in radians of the undamped motion, or in e-folds of a faster growth."""
+"""Duration in radians of the undamped motion."""
+MOST_FOLDS = 8.0
+"""Duration in e-folds of the growth, where that is less: what has grown further is beyond what some
+engines take for a motion.
+"""
 
 
 class WhirlingShaft(Case):
@@ -81,14 +85,16 @@ class WhirlingShaft(Case):
 
     def scales(self, p: Parameters) -> Scales:
         """L is the amplitude of the undamped motion from this start, 1/tau the larger of w0 and the
-        largest root of the characteristic polynomial; T = 20/w0, or 20 e-folds if these are less.
+        largest root of the characteristic polynomial; T = 20/w0, or 8 e-folds if these are less.
         """
         w0 = float(np.sqrt(p.stiffness / p.mass))
         roots = _roots(p)
         rate = max(w0, float(np.max(np.abs(roots))))
         growth = float(np.max(roots.real))
+        # Roots at the left of the imaginary axis, or on it to rounding, end nothing.
+        fastest = max(w0 / PHASE, growth / MOST_FOLDS)
         amplitude = float(np.hypot(np.linalg.norm(p.x0), np.linalg.norm(p.v0) / w0))
-        return Scales(length=amplitude, tau=1 / rate, duration=PHASE / max(w0, growth), mass=p.mass)
+        return Scales(length=amplitude, tau=1 / rate, duration=1 / fastest, mass=p.mass)
 
     def quantities(self, p: Parameters) -> tuple[Quantity, ...]:
         """Place [m] and velocity [m/s]."""

@@ -30,6 +30,7 @@ from refdem.scene.elements.contact import Contact
 from refdem.scene.elements.piecewise_field import PiecewiseField
 from refdem.scene.elements.plane import Plane
 from refdem.scene.elements.rod import Rod
+from refdem.scene.elements.rotating_dashpot import RotatingDashpot
 from refdem.scene.elements.spring import Spring
 from refdem.scene.elements.uniform_gravity import UniformGravity
 
@@ -351,7 +352,9 @@ def _outgrown_by_force(subject: Subject, run: Trajectory) -> Array | float:
 
         |dE| <= |F| e L + m |v| e V,   E_s = m V^2,
 
-    so that |dE|/E_s is up to e times (|a| tau/V + |v|/V).
+    so that |dE|/E_s is up to e times (|a| tau/V + |v|/V). A fluid that turns makes a motion grow in
+    proportion to itself, and with it what a step is off: e grows by that factor too, which counts
+    twice.
     """
     scene = subject.instance.scene
     if scene.all(PiecewiseField):
@@ -365,9 +368,14 @@ def _outgrown_by_force(subject: Subject, run: Trajectory) -> Array | float:
     scales = subject.instance.scales
     change = np.linalg.norm(np.diff(run.velocity, axis=0), axis=-1)
     interval = np.abs(np.diff(run.t))[:, None]
-    acceleration = float(np.max(change / interval, initial=0.0))
-    fastest = float(np.max(np.linalg.norm(run.velocity, axis=-1), initial=0.0))
-    return max(1.0, fastest / scales.speed, acceleration * scales.tau / scales.speed)
+    accelerations = np.max(change / interval, axis=1, initial=0.0) * scales.tau / scales.speed
+    speeds = np.max(np.linalg.norm(run.velocity, axis=-1), axis=1, initial=0.0) / scales.speed
+    if scene.all(RotatingDashpot):
+        # The acceleration of an interval counts at its end.
+        at_ends = np.concatenate([[0.0], accelerations])
+        so_far = np.maximum.accumulate(np.maximum(speeds, at_ends))
+        return np.asarray(np.maximum(1.0, so_far) ** 2)
+    return max(1.0, float(np.max(speeds)), float(np.max(accelerations, initial=0.0)))
 
 
 def _of_samples(measured: Imbalance) -> str:

@@ -17,8 +17,17 @@ from numpy.typing import NDArray
 
 from refdem.core.check import Check, CompletedRun, Subject
 from refdem.core.finding import Finding
-from refdem.core.judgement import Array, Sight, certified, judged, no_truth, undecided
-from refdem.core.refinement import scored
+from refdem.core.judgement import (
+    Array,
+    Sight,
+    certified,
+    judged,
+    left_at_finest,
+    no_truth,
+    undecided,
+)
+from refdem.core.refinement import COUNTING_FLOOR, scored
+from refdem.core.trajectory import Trajectory
 from refdem.core.variant import Variant
 from refdem.scene import Scene
 from refdem.scene.elements.dashpot import Dashpot
@@ -56,39 +65,52 @@ class GrowthRate(Check):
         if not _is_shaft(scene):
             return "the scene is not one point on a linear spring, damped about its anchor"
         _, second = roots(scene)
-        part = abs(_part(scene.bodies.position, scene.bodies.velocity, scene, second)[0])
-        if part < LEAST_PART * _scale(subject, second):
+        if abs(_start_of(scene, second)) < LEAST_PART * _scale(subject, second):
             return "the start has no part in what grows"
         return None
 
     def needs(self, subject: Subject) -> tuple[Variant, ...]:
-        """The plain run at the finest level."""
-        return (subject.finest,)
+        """The plain run of every level."""
+        return subject.plain
 
     def judge(self, subject: Subject, runs: Mapping[Variant, CompletedRun]) -> list[Finding]:
         """One finding: the error of the rate, at the sample where it is known best."""
-        if certified(subject) is None:
+        truth = certified(subject)
+        if truth is None:
             return [undecided(self.name, "rate", no_truth(subject))]
-        allowed = subject.bound(subject.levels[-1])
+        level = subject.levels[-1]
+        allowed = subject.bound(level)
         count = scored(allowed)
-        scene = subject.instance.scene
-        first, second = roots(scene)
-        run = runs[subject.finest].trajectory
-        since = (run.t - run.t[0])[1:count]
-        part = np.abs(_part(run.position[:, 0], run.velocity[:, 0], scene, second)[:count])
-        true_part = part[0] * np.exp(first.real * since)
-        # x and y, vx and vy may each be off by their bound.
-        lost = np.sqrt(2.0) * allowed[1:count] * _scale(subject, second) / true_part
+        first, second = roots(subject.instance.scene)
+        logarithms = {
+            variant: _grown(subject.instance.scene, runs[variant].trajectory, second)[1:count]
+            for variant in subject.plain
+            if variant in runs
+        }
+        since = (subject.instance.times - subject.instance.times[0])[1:count]
+        # An error of the state in its scale is this much of a(t): x and y, vx and vy may each be
+        # off by their bound.
+        start = abs(_start_of(subject.instance.scene, second))
+        size = np.sqrt(2.0) * _scale(subject, second) / (start * np.exp(first.real * since))
+        lost = size * allowed[1:count]
         usable = lost < LARGEST_ERROR
         if not np.any(usable):
             why = "no state of the run is known well enough to tell a rate"
             return [undecided(self.name, "rate", why)]
         with np.errstate(invalid="ignore", divide="ignore"):
-            bounds = np.where(usable, -np.log1p(-lost) / since, np.inf)
-            rates = np.log(part[1:] / part[0]) / since
+            bounds = np.where(usable, -np.log1p(-lost), np.inf)
+        basis = "the error bound of the state at that time, as a part of what has grown until then"
+        if len(logarithms) > 2:
+            errors = [np.abs(grown - first.real * since) for grown in logarithms.values()]
+            rounding = COUNTING_FLOOR * subject.noise(level) * size * truth.growth()[1:count]
+            extrapolated = left_at_finest(subject, *errors) + rounding
+            if np.any(extrapolated < bounds):
+                basis = "the error extrapolated from the coarsest step with the claimed order"
+            bounds = np.minimum(bounds, np.where(usable, extrapolated, np.inf))
+        bounds = bounds / since
         best = int(np.argmin(bounds))
         bound = float(bounds[best])
-        rate = float(rates[best])
+        rate = float(logarithms[subject.finest][best] / since[best])
         return [
             judged(
                 check=self.name,
@@ -97,10 +119,7 @@ class GrowthRate(Check):
                 bound=bound,
                 sight=Sight(bound, first.real - second.real),
                 unit="1/s",
-                basis=(
-                    "the error bound of the state at that time, as a part of what has grown until"
-                    f" then (the largest real part of the roots is {first.real:.4g} 1/s)"
-                ),
+                basis=f"{basis} (the largest real part of the roots is {first.real:.4g} 1/s)",
                 what=(
                     f"The error of the rate of growth ({rate:.4g} 1/s until t = {since[best]:g} s)"
                 ),
@@ -145,6 +164,19 @@ def _part(position: Array, velocity: Array, scene: Scene, second: complex) -> Co
     place = position - np.array(scene.all(Spring)[0].anchor_b)
     part: Complex = velocity[:, 0] + 1j * velocity[:, 1] - second * (place[:, 0] + 1j * place[:, 1])
     return part
+
+
+def _start_of(scene: Scene, second: complex) -> complex:
+    """a(0) [m/s], of the start as it was asked for."""
+    return complex(_part(scene.bodies.position, scene.bodies.velocity, scene, second)[0])
+
+
+def _grown(scene: Scene, run: Trajectory, second: complex) -> Array:
+    """ln |a(t)/a(0)| (T,) along a run; minus infinity where nothing is left of it."""
+    part = np.abs(_part(run.position[:, 0], run.velocity[:, 0], scene, second))
+    with np.errstate(divide="ignore"):
+        grown: Array = np.log(part / part[0])
+    return grown
 
 
 def _scale(subject: Subject, second: complex) -> float:

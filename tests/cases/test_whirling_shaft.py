@@ -43,12 +43,12 @@ def test_damping_outside_moves_the_border_up() -> None:
         assert scalars["border"].mid == border
 
 
-def test_the_duration_is_20_radians_or_e_folds() -> None:
+def test_the_duration_is_20_radians_or_8_e_folds() -> None:
     assert CASE.at().scales.duration == 10.0
     fast = CASE.at(inner_damping="40", turning="50")
     rate = float(fast.truth().scalars()["growth_rate"].mid)
     assert rate > 2
-    assert fast.scales.duration == pytest.approx(20 / rate, rel=1e-12)
+    assert fast.scales.duration == pytest.approx(8 / rate, rel=1e-12)
 
 
 def test_a_start_at_rest_on_the_axis_is_refused() -> None:

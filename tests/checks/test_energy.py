@@ -94,6 +94,7 @@ DRIVEN = [
     ("quadratic-response", {"eps": "1/16"}),
     ("van-der-pol", {"samples": "128"}),
     ("viscous-oscillator", {}),
+    ("whirling-shaft", {}),
 ]
 """Settings with a drive, or with a dashpot, which may bring energy in."""
 
@@ -260,6 +261,19 @@ ESCAPES = {
 @pytest.mark.parametrize("method", ["verlet", "euler", "rk4"])
 def test_the_energy_of_a_motion_that_leaves_its_scales_is_known_to_what_it_has_become(method):
     instance = discovery.case("driven-duffing").at(**ESCAPES)
+    task = task_of(Transparent(), method, instance, truth_of(instance), 3, ("energy",))
+    outcomes = {f.quantity: f.outcome for f in record_of(task).findings}
+    assert outcomes["finest"] == "pass"
+    assert set(outcomes.values()) == {"pass"}
+
+
+@pytest.mark.parametrize("method", ["verlet", "euler", "rk4"])
+@pytest.mark.parametrize("turning", ["20", "-40"])
+def test_what_grows_in_proportion_to_itself_is_off_by_as_much_twice(method, turning):
+    """A shaft that whirls 3000 times as wide has 1e7 times the energy, and a sound method is off by
+    a part of that.
+    """
+    instance = discovery.case("whirling-shaft").at(turning=turning)
     task = task_of(Transparent(), method, instance, truth_of(instance), 3, ("energy",))
     outcomes = {f.quantity: f.outcome for f in record_of(task).findings}
     assert outcomes["finest"] == "pass"
