@@ -170,20 +170,6 @@ def test_an_extra_that_stands_for_others_names_extras_that_are_there() -> None:
         assert set(requirement[len("refdem[") : -1].split(",")) <= set(extras)
 
 
-def test_the_recipe_for_conda_asks_for_what_pip_asks_for() -> None:
-    recipe = yaml.safe_load((ROOT / "ci" / "conda" / "recipe.yaml").read_text())
-    project = tomllib.loads((ROOT / "pyproject.toml").read_text())
-
-    def plain(requirements: list[str]) -> set[str]:
-        return {requirement.replace(" ", "") for requirement in requirements}
-
-    python = f"python{project['project']['requires-python']}"
-    assert plain(recipe["requirements"]["run"]) == {python, *project["project"]["dependencies"]}
-    built_with = set(project["build-system"]["requires"]) | {python, "pip"}
-    asked = plain(recipe["requirements"]["host"] + recipe["requirements"]["build"])
-    assert built_with <= asked
-
-
 def test_a_release_takes_actions_by_their_commits() -> None:
     text = (ROOT / ".github" / "workflows" / "release.yml").read_text()
     assert set(yaml.safe_load(text)["jobs"]) == {"sdist", "wheels"}
