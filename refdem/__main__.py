@@ -1,9 +1,7 @@
 """The command refdem, as `python -m refdem`."""
 
-import sys
-
 from refdem.cli import main
 
 # Worker processes import this file again: only the first of them runs the command.
 if __name__ == "__main__":
-    sys.exit(main())
+    main()

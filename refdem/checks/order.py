@@ -165,14 +165,12 @@ class Order(Check):
         return finer
 
     def _is_shown(self, subject: Subject, runs: Mapping[Variant, CompletedRun]) -> bool:
-        """True if the levels of the plan pass, and either show no error or errors on a line of the
-        claimed order.
-        """
+        """True if the levels of the plan pass with errors on a line of the claimed order."""
         findings = self._findings(subject, runs, subject.levels)
         if any(finding.outcome != "pass" for finding in findings):
             return False
         if findings[0].order_seen is None:
-            return True
+            return False
         truth = certified(subject)
         assert truth is not None
         errors_at = _errors_at_levels(subject, runs, truth, subject.levels)
