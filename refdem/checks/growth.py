@@ -6,8 +6,10 @@ Whatever the start is,
 
     a = z' - q2 z   is   a(0) exp(q1 t),
 
-for (d/dt - q1) (d/dt - q2) z = 0. So one state late in a run tells the larger of both real parts:
-ln |a(t)/a(0)|/t. It is positive above the border W = w0 (1 + c_e/c_i), and negative below.
+for (d/dt - q1) (d/dt - q2) z = 0. So one state late in a run tells q1, ln (a(t)/a(0))/t: its real
+part is the rate of growth, positive above the border W = w0 (1 + c_e/c_i) and negative below, and
+its imaginary part is how fast the mass whirls. Both are judged: a mass that is stuck grows as
+little as one at the border.
 """
 
 from collections.abc import Mapping
@@ -82,8 +84,8 @@ class GrowthRate(Check):
         allowed = subject.bound(level)
         count = scored(allowed)
         first, second = roots(subject.instance.scene)
-        logarithms = {
-            variant: _grown(subject.instance.scene, runs[variant].trajectory, second)[1:count]
+        off = {
+            variant: _off(subject.instance.scene, runs[variant].trajectory)[1:count]
             for variant in subject.plain
             if variant in runs
         }
@@ -100,8 +102,8 @@ class GrowthRate(Check):
         with np.errstate(invalid="ignore", divide="ignore"):
             bounds = np.where(usable, -np.log1p(-lost), np.inf)
         basis = "the error bound of the state at that time, as a part of what has grown until then"
-        if len(logarithms) > 2:
-            errors = [np.abs(grown - first.real * since) for grown in logarithms.values()]
+        if len(off) > 2:
+            errors = [np.abs(values) for values in off.values()]
             rounding = COUNTING_FLOOR * subject.noise(level) * size * truth.growth()[1:count]
             extrapolated = left_at_finest(subject, *errors) + rounding
             if np.any(extrapolated < bounds):
@@ -110,18 +112,20 @@ class GrowthRate(Check):
         bounds = bounds / since
         best = int(np.argmin(bounds))
         bound = float(bounds[best])
-        rate = float(logarithms[subject.finest][best] / since[best])
+        error = complex(off[subject.finest][best]) / float(since[best])
+        rate = first.real + error.real
         return [
             judged(
                 check=self.name,
                 quantity="rate",
-                value=abs(rate - first.real),
+                value=abs(error),
                 bound=bound,
                 sight=Sight(bound, first.real - second.real),
                 unit="1/s",
                 basis=f"{basis} (the largest real part of the roots is {first.real:.4g} 1/s)",
                 what=(
-                    f"The error of the rate of growth ({rate:.4g} 1/s until t = {since[best]:g} s)"
+                    "The error of the complex rate of growth (its real part is"
+                    f" {rate:.4g} 1/s until t = {since[best]:g} s)"
                 ),
             )
         ]
@@ -171,12 +175,16 @@ def _start_of(scene: Scene, second: complex) -> complex:
     return complex(_part(scene.bodies.position, scene.bodies.velocity, scene, second)[0])
 
 
-def _grown(scene: Scene, run: Trajectory, second: complex) -> Array:
-    """ln |a(t)/a(0)| (T,) along a run; minus infinity where nothing is left of it."""
-    part = np.abs(_part(run.position[:, 0], run.velocity[:, 0], scene, second))
-    with np.errstate(divide="ignore"):
-        grown: Array = np.log(part / part[0])
-    return grown
+def _off(scene: Scene, run: Trajectory) -> Complex:
+    """ln (a(t)/(a(0) exp(q1 t))) (T,) along a run: t times the error of q1; infinite where nothing
+    is left of a(t).
+    """
+    first, second = roots(scene)
+    expected = _start_of(scene, second) * np.exp(first * (run.t - run.t[0]))
+    part = _part(run.position[:, 0], run.velocity[:, 0], scene, second)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        logarithm: Complex = np.log(part / expected)
+    return logarithm
 
 
 def _scale(subject: Subject, second: complex) -> float:

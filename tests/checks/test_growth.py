@@ -77,6 +77,18 @@ def test_a_method_that_damps_or_pumps_by_itself_fails(turning: str, rate: float)
     assert found.value == pytest.approx(abs(rate), rel=1e-5)
 
 
+def test_a_mass_that_is_stuck_at_its_start_fails_at_the_border_too() -> None:
+    """There nothing grows, and it must whirl at w0."""
+    subject = subject_of(turning="3")
+    run = motion_of(subject)
+    stuck = replace(
+        run,
+        position=np.repeat(run.position[:1], len(run.t), axis=0),
+        velocity=np.repeat(run.velocity[:1], len(run.t), axis=0),
+    )
+    assert finding(subject, stuck).outcome == "fail"
+
+
 def test_a_motion_that_settles_at_once_and_one_that_is_not_finite_fail() -> None:
     subject = subject_of()
     run = motion_of(subject)
