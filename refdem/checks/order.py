@@ -167,9 +167,8 @@ class Order(Check):
     def _is_shown(self, subject: Subject, runs: Mapping[Variant, CompletedRun]) -> bool:
         """True if the levels of the plan pass with errors on a line of the claimed order."""
         findings = self._findings(subject, runs, subject.levels)
-        if any(finding.outcome != "pass" for finding in findings):
-            return False
-        if findings[0].order_seen is None:
+        is_passed = all(finding.outcome == "pass" for finding in findings)
+        if not is_passed or findings[0].order_seen is None:
             return False
         truth = certified(subject)
         assert truth is not None

@@ -118,15 +118,13 @@ class Symmetry(Check):
             return ()
         if not differing:
             return ()
-        images = (
+        return (
             Variant(level),
             *_perturbed_starts(subject, level),
             *_images(level, differing),
+            *_further_perturbations(subject, level),
+            *_coarser_run(subject),
         )
-        fine = Level(subject, runs, level)
-        if all(fine.agrees_with(name) for name in differing):
-            return images
-        return (*images, *_further_perturbations(subject, level), *_coarser_run(subject))
 
     def judge(self, subject: Subject, runs: Mapping[Variant, CompletedRun]) -> list[Finding]:
         """One finding for each symmetry: the largest difference of any state, in units of each

@@ -16,14 +16,19 @@ def two_springs(*, leaves=None, then="soft"):
     """x'' = -x - 4 x^3 above 0, and x'' = -400 x - 1000 x^3 below it."""
     press = Guard("press", lambda y: y[0], lambda y: Entry("hard", None, {"part": 1}))
     part = Guard("part", lambda y: -y[0], lambda y: Entry(then, None, {"press": 1}))
-    return {
-        "soft": Mode(lambda y: [y[1], -y[0] - 4 * y[0] * y[0] * y[0], 1], (press,), leaves),
-        "hard": Mode(
-            lambda y: [y[1], -400 * y[0] - 1000 * y[0] * y[0] * y[0], 1],
-            (part,),
-            window=Fraction(1, 16),
-        ),
-    }
+    soft = Mode(spring(1, 4), (press,), leaves)
+    hard = Mode(spring(400, 1000), (part,), window=Fraction(1, 16))
+    return {"soft": soft, "hard": hard}
+
+
+def spring(stiffness, cubic):
+    """The rates of place, velocity and clock under the force -k x - c x^3 on 1 kg."""
+
+    def rates(y):
+        x, v, _ = y
+        return [v, -stiffness * x - cubic * x * x * x, 1]
+
+    return rates
 
 
 def begun(modes) -> HybridMotion:
