@@ -2,6 +2,7 @@
 space.
 """
 
+import math
 from dataclasses import dataclass
 from typing import ClassVar
 
@@ -93,7 +94,7 @@ class Ensemble(Problem):
             for name in ("position", "velocity")
         }
         return EnsembleDocument(
-            scene=self.scene.document(listed=True), times=self.times.tolist(), **starts
+            scene=self.scene.document(math.inf), times=self.times.tolist(), **starts
         )
 
     def perturbed(self, ulps: int) -> "Ensemble":

@@ -90,7 +90,7 @@ def page(title: str, words: str, tables: Sequence[Cells], sections: Sequence[Sec
         if data is None:
             drawn.append(None)
         else:
-            drawn.append(specification(data, None))
+            drawn.append(specification(data))
     sheet = environment().get_template("bench.html")
     return sheet.render(
         root="",
@@ -113,5 +113,5 @@ def write(
     for number, section in enumerate(sections, 1):
         data = chart(section)
         if data is not None:
-            drawing = picture(specification(data, None), None)
+            drawing = picture(specification(data), None)
             written(folder / f"bench-{number}.svg", drawing)

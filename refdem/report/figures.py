@@ -1,18 +1,18 @@
-"""Specifications and pictures of charts, kept in the store under the digest of what they are made
-from.
+"""Specifications of charts as JSON, and their pictures, which the store keeps under the digest of
+what they are made from.
 """
 
 import hashlib
 import json
 import re
 from collections.abc import Callable
-from dataclasses import asdict, replace
 from functools import cache
 from pathlib import Path
 from typing import Any
 
 from refdem.core.kept_file import kept_file
 from refdem.core.store import Store
+from refdem.report import charts
 from refdem.report.chart_data import ChartData
 from refdem.report.files import written
 
@@ -20,9 +20,6 @@ SNIPPET = "window.vegaEmbed = vegaEmbed;"
 """What the shared script leaves for report.js."""
 
 ASSETS = Path(__file__).with_name("assets")
-
-ROWS = "the rows of this chart"
-"""Stands for the rows in a specification that is kept."""
 
 PAPER = {
     "background": "white",
@@ -49,22 +46,9 @@ def equip(folder: Path, store: Store | None) -> None:
     written(folder / "assets" / "vega.js", script(store))
 
 
-def specification(data: ChartData, store: Store | None) -> str:
-    """The Vega-Lite specification as JSON; Altair is imported only if the store does not have it.
-
-    What is kept is the definition without its rows, which change with every run.
-    """
-    bare = replace(data, csv=ROWS)
-    spec = _kept(
-        store, "chart-spec", [_definitions(), asdict(bare)], lambda: _specification(bare)
-    ).decode()
-    return spec.replace(json.dumps(ROWS), json.dumps(data.csv))
-
-
-def _specification(data: ChartData) -> bytes:
-    from refdem.report.charts import specification as defined
-
-    return json.dumps(defined(data), separators=(",", ":"), sort_keys=True).encode()
+def specification(data: ChartData) -> str:
+    """The Vega-Lite specification of a chart as JSON."""
+    return json.dumps(charts.specification(data), separators=(",", ":"), sort_keys=True)
 
 
 def picture(spec: str, store: Store | None) -> bytes:
@@ -127,16 +111,6 @@ def _kept(store: Store | None, kind: str, parts: list[Any], drawn: Callable[[], 
         if store:
             store.put(kind, key, kept)
     return kept
-
-
-@cache
-def _definitions() -> str:
-    """The digest of the charts' definitions and the version of Altair."""
-    from importlib.metadata import version
-
-    return hashlib.sha256(Path(__file__).with_name("charts.py").read_bytes()).hexdigest() + version(
-        "altair"
-    )
 
 
 @cache

@@ -176,7 +176,7 @@ def write(
         if data is None:
             drawn.append(None)
         else:
-            drawn.append(specification(data, store))
+            drawn.append(specification(data))
     for section, spec in zip(sections, drawn, strict=True):
         if spec is not None:
             written(folder / "figures" / f"stress-{section.id}.svg", picture(spec, store))

@@ -85,9 +85,7 @@ def _charts(
         }
     specs: dict[str, dict[str, str]] = {}
     for label, drawn in charts.items():
-        specs[label] = {
-            kind: figures.specification(data, store) for kind, data in drawn.items() if data
-        }
+        specs[label] = {kind: figures.specification(data) for kind, data in drawn.items() if data}
     pictures = set()
     for label, mine_specs in specs.items():
         # Costs hold times, which a committed file must not; curves over time are in the pages.

@@ -93,10 +93,10 @@ class Scene:
         """True if there are more bodies than JSON should list."""
         return len(self.bodies) > bodies_file.MOST_LISTED
 
-    def document(self, *, listed: bool = False) -> SceneDocument:
-        """The scene as JSON has it; `listed`: with every body, however many there are."""
+    def document(self, most_listed: float = bodies_file.MOST_LISTED) -> SceneDocument:
+        """The scene as JSON has it; more bodies than `most_listed` are referred to."""
         elements = list(self.elements)
-        if self.has_bodies_file and not listed:
+        if len(self.bodies) > most_listed:
             return SceneDocument(bodies=bodies_file.reference(self.bodies), elements=elements)
         return SceneDocument(bodies=self.bodies.single(), elements=elements)
 
