@@ -25,7 +25,7 @@ from refdem.errors import RefdemError
 
 T = TypeVar("T")
 
-FORMAT = 2
+FORMAT = 3
 """Version of the format of the file, which grows with every change that older readers cannot read.
 """
 MOST = 250_000_000
@@ -38,10 +38,14 @@ UNREADABLE = (ValueError, KeyError, TypeError, RefdemError)
 """Errors of decoding an entry that another version of refdem wrote."""
 FAULTS = (sqlite3.Error, UnicodeDecodeError)
 """Errors that SQLite raises; the second where its message quotes bytes of a damaged file."""
+# A table with row numbers: without them, entries lie in the tree of the keys itself, and each search
+# of it reads megabytes of those that it passes.
 _TABLE = (
     "CREATE TABLE IF NOT EXISTS entries (kind TEXT, key TEXT, digest BLOB NOT NULL, data BLOB NOT"
-    " NULL, PRIMARY KEY (kind, key)) WITHOUT ROWID"
+    " NULL, PRIMARY KEY (kind, key))"
 )
+PAGE = 16384
+"""Bytes of a page of the file: most runs are of this size, and large ones need fewer pages."""
 
 
 def default_path() -> Path:
@@ -290,6 +294,7 @@ def _prepare(connection: sqlite3.Connection) -> None:
     """Makes the table; entries of an older format are dropped."""
     # A journal of its own, not WAL, whose index every process maps: who cuts that file short kills
     # the reader by SIGBUS, and it cannot be on a network's file system.
+    connection.execute(f"PRAGMA page_size={PAGE}")
     connection.execute("PRAGMA journal_mode=TRUNCATE")
     # What a power failure damages is dropped and made again; a process that is killed damages
     # nothing.

@@ -19,16 +19,16 @@ def test_the_digest_of_an_entry_is_sixteen_bytes_of_blake2b_of_kind_key_and_data
     assert digest_of("truth", "keyd", b"ata") != digest_of("truth", "key", b"data")
 
 
-def test_an_entry_that_was_written_by_hand_in_format_2_is_read(tmp_path):
+def test_an_entry_that_was_written_by_hand_in_format_3_is_read(tmp_path):
     path = tmp_path / "store.sqlite"
     with sqlite3.connect(path) as by_hand:
         by_hand.execute(
             "CREATE TABLE entries (kind TEXT, key TEXT, digest BLOB NOT NULL, data BLOB NOT NULL,"
-            " PRIMARY KEY (kind, key)) WITHOUT ROWID"
+            " PRIMARY KEY (kind, key))"
         )
         row = ("run", "k", hashlib.blake2b(b"run\0k\0bytes", digest_size=16).digest(), b"bytes")
         by_hand.execute("INSERT INTO entries VALUES (?, ?, ?, ?)", row)
-        by_hand.execute("PRAGMA user_version=2")
+        by_hand.execute("PRAGMA user_version=3")
     by_hand.close()
     store = Store(path)
     assert store.get("run", "k") == b"bytes"
