@@ -90,3 +90,23 @@ def test_nothing_is_tested_where_refdem_cannot_be_built(place: Path) -> None:
     assert done.returncode == 3
     assert told(done.stdout) == set()
     assert "made .venv/refdem" in done.stdout
+
+
+BUSY = """
+case " $* " in
+  *" test-elsewhere "*) timeout 2 sh -c 'while :; do :; done' ;;
+  *" test-touched "*) touch "$TMPDIR/ended" ;;
+  *" test "*) while [ ! -e "$TMPDIR/ended" ]; do sleep 0.1; done; sleep 1 ;;
+esac
+exit 0
+"""
+"""What targets do at last: one is at work, and one waits until all of the other lane have ended."""
+
+
+def test_work_of_one_lane_is_not_counted_for_the_other(place: Path) -> None:
+    (place / "bin" / "make").write_text(MAKE + BUSY)
+    done = run(place)
+    assert done.returncode == 0, done.stdout + done.stderr
+    rows = re.findall(r"^ +\d+ s +(\d+) s  make ([\w-]+)$", done.stdout, re.MULTILINE)
+    at_work = [target for seconds, target in rows if int(seconds) > 0]
+    assert at_work == ["test-elsewhere"]
