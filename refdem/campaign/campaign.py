@@ -8,7 +8,7 @@ import time
 from dataclasses import dataclass
 
 import refdem
-from refdem.campaign import plan, remote, required, runs, sheets, unchanged
+from refdem.campaign import plan, remote, required, sheets, unchanged
 from refdem.campaign.cluster import Cluster
 from refdem.campaign.records import records
 from refdem.campaign.replays import replays
@@ -102,8 +102,9 @@ class Campaign:
                 hangs=Hangs(),
                 progress=self.progress,
             )
-            runs_of_tasks = runs.of_tasks(runner, tasks, self.specification.perturbed_ulps)
-        judged_records = records(tasks, runs_of_tasks, versions)
+            judged_records, runs = records(
+                runner, tasks, versions, self.specification.perturbed_ulps
+            )
         # An instance may be in several rows, with other checks: by label it has one sheet.
         cases = {}
         for row, truth in zip(rows, truths, strict=True):
@@ -113,11 +114,11 @@ class Campaign:
                 *map(sheets.engine_sheet, engines),
                 *cases.values(),
                 *judged_records,
-                *replays(tasks, runs_of_tasks, judged_records),
+                *replays(tasks, runs, judged_records),
             ],
-            made=runs_of_tasks.made,
-            read=runs_of_tasks.read,
-            is_lasting=runs_of_tasks.is_lasting and all(map(is_lasting, truths)),
+            made=runs.different(read=False),
+            read=runs.different(read=True),
+            is_lasting=runs.is_lasting and all(map(is_lasting, truths)),
         )
 
     def _schedule(self, engines: list[Engine]) -> Scheduler:

@@ -62,6 +62,7 @@ def record_of(
         runs: dict[Variant, Run] = {}
     else:
         runs = known
+    needed: judging.Needs | None = None
     variants: Iterable[Variant] = ()
     if task.unsupported is None:
         variants = task.variants
@@ -73,8 +74,9 @@ def record_of(
             is_possible = base is not None or not variant.goes_on
             if is_possible and variant not in runs:
                 runs[variant] = run_of(task.engine, plan.request(task, variant, base))
-        variants = judging.further(task, runs)
-    return judging.record(task, task.engine.version(), runs, list(deviations))
+        needed = judging.needs(task, runs)
+        variants = judging.missing(needed, runs)
+    return judging.record(task, task.engine.version(), runs, list(deviations), needed=needed)
 
 
 def run_of(engine: Engine, request: Request) -> Run:

@@ -7,6 +7,7 @@ most one change, such as a rotated scene.
 
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
+from itertools import chain
 
 import msgspec
 
@@ -23,6 +24,9 @@ from refdem.core.trajectory import Trajectory
 from refdem.core.variant import Variant
 from refdem.errors import RefdemError
 
+Needs = Mapping[str, tuple[Variant, ...]]
+"""The runs that each check of a task needs, by its name."""
+
 
 def record(
     task: Task,
@@ -30,14 +34,18 @@ def record(
     runs: Mapping[Variant, Run],
     deviations: list[Deviation],
     read: Callable[[Run], Trajectory | None] = lambda run: run.trajectory,
+    needed: Needs | None = None,
 ) -> Record:
     """The record of one task. If nothing could be decided although every check was asked, it has an
     error finding that says so.
 
-    `read` has the trajectory of a run, where the run itself does not.
+    `read` has the trajectory of a run, where the run itself does not; `needed` is what `needs` says
+    of these runs, where that is known.
     """
     instance = task.subject.instance
-    findings = _findings(task, runs, read)
+    if needed is None:
+        needed = needs(task, runs, read)
+    findings = _findings(task, runs, read, needed)
     if _is_void(task, findings):
         reasons = "; ".join(dict.fromkeys(f.sentence for f in findings)) or "no check applies"
         says = f"Nothing was decided: {reasons}"
@@ -101,7 +109,10 @@ class _Completed(Mapping[Variant, CompletedRun]):
 
 
 def _findings(
-    task: Task, runs: Mapping[Variant, Run], read: Callable[[Run], Trajectory | None]
+    task: Task,
+    runs: Mapping[Variant, Run],
+    read: Callable[[Run], Trajectory | None],
+    needed_by_check: Needs,
 ) -> list[Finding]:
     """The findings of a task: how its runs failed, then the findings of its checks."""
     if task.unsupported is not None:
@@ -120,7 +131,7 @@ def _findings(
     findings = _failures(task, reported, ran=bool(completed))
     dispensable = _dispensable(runs)
     for check in task.checks:
-        needed = _needed(task, check, completed, dispensable)
+        needed = needed_by_check[check.name]
         if check.synchronous and task.method.velocity_time != "synchronous":
             reason = "the method reports velocities half a step before its positions"
             findings.append(undecided(check.name, "state", reason))
@@ -160,22 +171,28 @@ def _needed(
     return needed
 
 
-def further(
+def needs(
     task: Task,
     runs: Mapping[Variant, Run],
     read: Callable[[Run], Trajectory | None] = lambda run: run.trajectory,
-) -> tuple[Variant, ...]:
-    """The runs that the checks of a task need in view of those that were tried, and that were not
-    tried yet; a run comes before those that go on from it.
+) -> Needs:
+    """The runs that each check of a task needs in view of those that were tried; none where the
+    task is not supported.
     """
+    if task.unsupported is not None:
+        return {}
     completed = _completed(runs, read)
     dispensable = _dispensable(runs)
-    needed: dict[Variant, None] = {}
-    for check in task.checks:
-        needed |= dict.fromkeys(_needed(task, check, completed, dispensable))
+    return {check.name: _needed(task, check, completed, dispensable) for check in task.checks}
+
+
+def missing(needed: Needs, runs: Mapping[Variant, Run]) -> tuple[Variant, ...]:
+    """The runs among those needed that were not tried yet; a run comes before those that go on from
+    it.
+    """
     return tuple(
         variant
-        for variant in plan.in_order(needed)
+        for variant in plan.in_order(chain.from_iterable(needed.values()))
         if variant not in runs and _is_possible(variant, runs)
     )
 

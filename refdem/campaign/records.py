@@ -1,22 +1,84 @@
-"""The last stage of a campaign: the records of all tasks, judged from their runs."""
+"""The last two stages of a campaign: the runs of all tasks, and the records that are judged from
+them.
 
+A task is judged as soon as its runs are there, while those of others are made.
+"""
+
+from collections import Counter
 from collections.abc import Mapping
+from dataclasses import dataclass, field
 
-from refdem.campaign import judging
+from refdem.campaign import judging, runs
 from refdem.campaign.deviations import of_engine
 from refdem.campaign.plan import Task
-from refdem.campaign.runs import Recent, Runs
+from refdem.campaign.runs import Recent, Runner, Runs
 from refdem.core.finding import Record
+from refdem.core.variant import Variant
 
 
-def records(tasks: list[Task], runs: Runs, versions: Mapping[str, str]) -> list[Record]:
-    """The records in order of the plan, with the deviations that are expected of the engines."""
-    engines = {task.engine.name: task.engine for task in tasks}
-    expected = {name: of_engine(engine) for name, engine in engines.items()}
-    judged = []
-    for number, task in enumerate(tasks):
-        name = task.engine.name
-        of_task = runs.of_task(number)
-        read = Recent(runs).trajectory
-        judged.append(judging.record(task, versions[name], of_task, expected[name], read))
-    return judged
+def records(
+    runner: Runner, tasks: list[Task], versions: Mapping[str, str], ulps: int
+) -> tuple[list[Record], Runs]:
+    """The records in order of the plan, with the deviations that are expected of the engines, and
+    the runs from which they were judged.
+
+    Runs are made that the checks need at first, and then those that they ask for in view of what
+    came out, until they ask for no more. `ulps` moves the start of every run; those that go on from
+    the end of another have no start of their own.
+    """
+    judge = _Judge(tasks, versions, Runs(spool=runner.spool))
+    fingerprints = runs.fingerprints_of(tasks)
+    wanted = {number: task.variants for number, task in enumerate(tasks) if task.variants}
+    for number in range(len(tasks)):
+        if number not in wanted:
+            judge.judge(number)
+    stage = "runs"
+    while wanted:
+        from_start = runs.asked_of(tasks, wanted, fingerprints, ulps)
+        unanswered = Counter(asked.place[0] for asked in from_start)
+        # Their runs that go on from the end of another come when that is there.
+        waiting = {number for number, asked in wanted.items() if any(v.goes_on for v in asked)}
+        more = {}
+        for asked, run in runner.runs(from_start, stage):
+            number, _ = asked.place
+            judge.runs.add(asked.place, run)
+            unanswered[number] -= 1
+            if unanswered[number] == 0 and number not in waiting:
+                more[number] = judge.judge(number)
+        going_on = runs.asked_of(tasks, wanted, fingerprints, 0, judge.runs)
+        for asked, run in runner.runs(going_on, f"{stage} that go on"):
+            judge.runs.add(asked.place, run)
+        for number in waiting:
+            more[number] = judge.judge(number)
+        wanted = {number: more[number] for number in sorted(more) if more[number]}
+        stage = "finer runs"
+    return [judge.records[number] for number in range(len(tasks))], judge.runs
+
+
+@dataclass
+class _Judge:
+    """Judges tasks one by one: their runs so far, and the records of those that have all runs."""
+
+    tasks: list[Task]
+    versions: Mapping[str, str]
+    runs: Runs
+    records: dict[int, Record] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        engines = {task.engine.name: task.engine for task in self.tasks}
+        self._expected = {name: of_engine(engine) for name, engine in engines.items()}
+
+    def judge(self, number: int) -> tuple[Variant, ...]:
+        """The variants that a task wants further; if it wants none, it has a record now."""
+        task = self.tasks[number]
+        of_task = self.runs.of_task(number)
+        # Those who ask for more and those who judge read the same trajectories.
+        read = Recent(self.runs).trajectory
+        needed = judging.needs(task, of_task, read)
+        more = judging.missing(needed, of_task)
+        if not more:
+            name = task.engine.name
+            self.records[number] = judging.record(
+                task, self.versions[name], of_task, self._expected[name], read, needed
+            )
+        return more

@@ -4,13 +4,13 @@ Equal runs are made once, and unchanged ones are read from the store.
 """
 
 import math
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
-from functools import cached_property, partial
+from functools import partial
 
 import msgspec
 
-from refdem.campaign import judging, plan, worker
+from refdem.campaign import plan, worker
 from refdem.campaign.plan import Task
 from refdem.campaign.schedule import Job, Progress, Scheduler, counted
 from refdem.campaign.spool import Spool
@@ -46,33 +46,19 @@ class Asked:
     key: str
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(kw_only=True)
 class Runs:
-    """Runs by their places, without their trajectories, which `spool` has under their keys; how
-    many different ones were made now, and how many were read.
+    """Runs by the number of their task and by variant, without their trajectories, which `spool`
+    has under their keys.
     """
 
-    by_place: Mapping[Place, Run]
     spool: Spool
-    made: int
-    read: int
+    by_task: dict[int, dict[Variant, Run]] = field(default_factory=dict)
 
-    @cached_property
-    def by_task(self) -> Mapping[int, Mapping[Variant, Run]]:
-        """The same runs by the number of their task, and by variant."""
-        found: dict[int, dict[Variant, Run]] = {}
-        for (number, variant), run in self.by_place.items():
-            found.setdefault(number, {})[variant] = run
-        return found
-
-    def with_more(self, more: "Runs") -> "Runs":
-        """Runs of the same tasks: these, and more of them."""
-        return Runs(
-            by_place={**self.by_place, **more.by_place},
-            spool=self.spool,
-            made=self.made + more.made,
-            read=self.read + more.read,
-        )
+    def add(self, place: Place, run: Run) -> None:
+        """One more run."""
+        number, variant = place
+        self.by_task.setdefault(number, {})[variant] = run
 
     def of_task(self, number: int, change: str | None = None) -> dict[Variant, Run]:
         """The runs of one task by variant, without their trajectories; `change`, if any, is that of
@@ -80,6 +66,14 @@ class Runs:
         """
         runs = self.by_task.get(number, {})
         return {v: run for v, run in runs.items() if change in (None, v.change)}
+
+    def __iter__(self) -> Iterator[Run]:
+        for runs in self.by_task.values():
+            yield from runs.values()
+
+    def different(self, *, read: bool) -> int:
+        """How many different runs were read from the store, or were made."""
+        return len({run.key for run in self if run.from_store == read})
 
     def trajectory(self, run: Run) -> Trajectory | None:
         """The trajectory of one of these runs, unpacked anew; None if the run failed."""
@@ -92,7 +86,7 @@ class Runs:
         """True if every run would end in the same way again: none crashed, hung or failed by
         chance.
         """
-        return all(is_lasting(run.failure) for run in self.by_place.values())
+        return all(is_lasting(run.failure) for run in self)
 
 
 class Recent:
@@ -199,56 +193,51 @@ class Runner:
     hangs: Hangs
     progress: Progress
 
-    def runs(self, asked: list[Asked], stage: str) -> Runs:
-        """Everything that is asked for: equal runs once, unchanged ones from the store."""
+    def runs(self, asked: list[Asked], stage: str) -> Iterator[tuple[Asked, Run]]:
+        """Everything that is asked for with its run, in the order in which they end: equal runs
+        once, unchanged ones from the store.
+        """
         equal: dict[str, list[Asked]] = {}
         for request_of_task in asked:
             equal.setdefault(request_of_task.key, []).append(request_of_task)
-        read = self._read(equal)
-        jobs = [self._job(same[0]) for key, same in equal.items() if key not in read]
-        computed: dict[str, worker.Reply] = {}
+        unread = {}
+        for key, same in equal.items():
+            stored = self._read(key)
+            if stored is None:
+                unread[key] = same
+            else:
+                yield from self._answered(same, stored, from_store=True)
+        leaking = set()
+        jobs = [self._job(same[0]) for same in unread.values()]
         results = self.schedule.results(jobs)
         for job, result in counted(results, stage, len(jobs), self.progress):
+            same = unread[job.key]
             reply = self._kept(job.key, result)
-            computed[job.key] = reply
-            self.hangs.note(equal[job.key][0], reply.failure)
-        self._forget_leaking(equal, computed)
-        replies = read | computed
-        by_place = {
-            request_of_task.place: self._run(
-                request_of_task,
-                replies[request_of_task.key],
-                from_store=request_of_task.key in read,
-            )
-            for request_of_task in asked
-        }
-        return Runs(by_place=by_place, spool=self.spool, made=len(computed), read=len(read))
-
-    def _forget_leaking(
-        self, equal: Mapping[str, list[Asked]], computed: Mapping[str, worker.Reply]
-    ) -> None:
-        """Takes the runs of methods whose answers depend on what they were asked before out of the
-        store: none of them can be trusted, whichever of them showed it.
-        """
-        leaking = {
-            _method(equal[key][0].task)
-            for key, reply in computed.items()
-            if reply.failure is not None and reply.failure.kind == "leak"
-        }
+            self.hangs.note(same[0], reply.failure)
+            if reply.failure is not None and reply.failure.kind == "leak":
+                leaking.add(_method(same[0].task))
+            yield from self._answered(same, reply, from_store=False)
+        # The answers of these methods depend on what they were asked before: none of them can be
+        # trusted, whichever of them showed it.
         for key, same in equal.items():
             if _method(same[0].task) in leaking:
                 self.store.forget("run", key)
 
-    def _read(self, keys: Iterable[str]) -> dict[str, worker.Reply]:
-        """The replies that the store has to the runs with these keys."""
+    def _read(self, key: str) -> worker.Reply | None:
+        """The reply that the store has to the run with this key, or None."""
         if not self.use_store:
-            return {}
-        stored = {}
-        for key in keys:
-            reply = self.store.read("run", key, checked_reply)
-            if reply is not None:
-                stored[key] = self._spooled(key, reply)
-        return stored
+            return None
+        reply = self.store.read("run", key, checked_reply)
+        if reply is None:
+            return None
+        return self._spooled(key, reply)
+
+    def _answered(
+        self, same: list[Asked], reply: worker.Reply, *, from_store: bool
+    ) -> Iterator[tuple[Asked, Run]]:
+        """Equal requests of tasks, each with the run that answers them all."""
+        for asked in same:
+            yield asked, self._run(asked, reply, from_store=from_store)
 
     def _job(self, asked: Asked) -> Job:
         """The job that makes one run in a worker, or in a program of its own.
@@ -316,43 +305,7 @@ def checked_reply(data: bytes) -> worker.Reply:
     return reply
 
 
-def of_tasks(runner: Runner, tasks: list[Task], ulps: int) -> Runs:
-    """All runs of the tasks of a plan: those that their checks need at first, and then those that
-    they ask for in view of what came out, until they ask for no more.
-
-    `ulps` moves the start of every run; those that go on from the end of another have no start of
-    their own.
-    """
-    fingerprints = fingerprints_of(tasks)
-    runs = Runs(by_place={}, spool=runner.spool, made=0, read=0)
-    wanted = {number: task.variants for number, task in enumerate(tasks)}
-    stage = "runs"
-    while any(wanted.values()):
-        from_start = _asked(tasks, wanted, fingerprints, ulps)
-        runs = runs.with_more(runner.runs(from_start, stage))
-        going_on = _asked(tasks, wanted, fingerprints, 0, runs)
-        runs = runs.with_more(runner.runs(going_on, f"{stage} that go on"))
-        wanted = _further(tasks, runs, wanted)
-        stage = "finer runs"
-    return runs
-
-
-def _further(
-    tasks: list[Task], runs: Runs, wanted: Mapping[int, tuple[Variant, ...]]
-) -> dict[int, tuple[Variant, ...]]:
-    """The variants that tasks ask for in view of their runs, by the number of the task.
-
-    Only those that wanted some before ask again: the others have seen all that they will see.
-    """
-    asked = {}
-    for number, variants in wanted.items():
-        if variants:
-            read = Recent(runs).trajectory
-            asked[number] = judging.further(tasks[number], runs.of_task(number), read)
-    return asked
-
-
-def _asked(
+def asked_of(
     tasks: list[Task],
     wanted: Mapping[int, tuple[Variant, ...]],
     fingerprints: Mapping[tuple[str, str], str],
@@ -370,7 +323,7 @@ def _asked(
                 continue
             base = None
             if first is not None:
-                base = first.trajectory(first.by_place[number, variant.base])
+                base = first.trajectory(first.of_task(number)[variant.base])
             # There is no end to go on from where the first run failed.
             if variant.goes_on and base is None:
                 continue

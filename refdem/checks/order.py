@@ -165,7 +165,7 @@ class Order(Check):
         return finer
 
     def _is_shown(self, subject: Subject, runs: Mapping[Variant, CompletedRun]) -> bool:
-        """True if the levels of the plan pass with errors on a line of the claimed order."""
+        """True if the levels of the plan pass with errors on a line of the claimed order or more."""
         findings = self._findings(subject, runs, subject.levels)
         is_passed = all(finding.outcome == "pass" for finding in findings)
         if not is_passed or findings[0].order_seen is None:
@@ -178,7 +178,7 @@ class Order(Check):
         if len(counting) < FEWEST or min(largest) <= 0.0:
             return False
         slope, _, from_residuals = mean_order(counting, largest)
-        return abs(slope - subject.order) <= NEAR and from_residuals <= ON_A_LINE
+        return slope >= subject.order - NEAR and from_residuals <= ON_A_LINE
 
     def judge(self, subject: Subject, runs: Mapping[Variant, CompletedRun]) -> list[Finding]:
         """The finding `state`, of the observed order; and `growth`, if errors can be seen to rise

@@ -38,8 +38,8 @@ UNREADABLE = (ValueError, KeyError, TypeError, RefdemError)
 """Errors of decoding an entry that another version of refdem wrote."""
 FAULTS = (sqlite3.Error, UnicodeDecodeError)
 """Errors that SQLite raises; the second where its message quotes bytes of a damaged file."""
-# A table with row numbers: without them, entries lie in the tree of the keys itself, and each search
-# of it reads megabytes of those that it passes.
+# A table with row numbers: without them, entries lie in the tree of the keys itself, and each
+# search of it reads megabytes of those that it passes.
 _TABLE = (
     "CREATE TABLE IF NOT EXISTS entries (kind TEXT, key TEXT, digest BLOB NOT NULL, data BLOB NOT"
     " NULL, PRIMARY KEY (kind, key))"

@@ -22,7 +22,7 @@ from numpy.typing import NDArray
 
 from refdem.core.case import Instance
 from refdem.core.problem import Motion
-from refdem.core.trajectory import Trajectory
+from refdem.core.trajectory import Trajectory, different_rows
 from refdem.mechanics.quaternion import matrix, product
 from refdem.scene import Scene
 from refdem.scene.bodies import Bodies
@@ -98,18 +98,21 @@ class Symmetry:
             run.position[:, order] / length - self.shift - self.boost * t[:, None, None]
         ) @ self.q
         velocity = (run.velocity[:, order] * (time / length) - self.boost) @ self.q
-        attitude = run.attitude[:, order]
+        attitude = different_rows(run.attitude)[:, order]
+        omega = different_rows(run.omega)[:, order] * time @ self.q
         # A reflection turns the sense of every rotation.
         if self.mirrored:
-            sense = -1.0
+            omega = -omega
             attitude = attitude * REFLECTION
         else:
-            sense = 1.0
             attitude = product(self.turn * np.array([1.0, -1.0, -1.0, -1.0]), attitude)
-        omega = run.omega[:, order] * time @ self.q * sense
-        columns = (position, velocity, attitude, omega)
-        position, velocity, attitude, omega = (np.ascontiguousarray(values) for values in columns)
-        return Trajectory(t=t, position=position, velocity=velocity, attitude=attitude, omega=omega)
+        return Trajectory(
+            t=t,
+            position=position,
+            velocity=velocity,
+            attitude=np.broadcast_to(attitude, run.attitude.shape),
+            omega=np.broadcast_to(omega, run.omega.shape),
+        )
 
     def _bodies(self, bodies: Bodies) -> Bodies:
         """The bodies as the symmetry maps them, column by column; a point keeps its attitude."""

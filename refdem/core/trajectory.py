@@ -150,12 +150,16 @@ def _packed(values: Array) -> tuple[list[int], bytes]:
 
     Bodies that do not rotate have such an attitude and omega.
     """
+    rows = np.ascontiguousarray(different_rows(values), dtype="<f8")
+    return list(values.shape), rows.tobytes()
+
+
+def different_rows(values: Array) -> Array:
+    """The rows of an array (T, ...); only the first (1, ...) if all are one broadcast row."""
     # A stride of 0 is numpy's mark of a broadcast axis.
     if values.ndim and values.strides[0] == 0:
-        rows = values[:1]
-    else:
-        rows = values
-    return list(values.shape), np.ascontiguousarray(rows, dtype="<f8").tobytes()
+        return values[:1]
+    return values
 
 
 def _unpacked(shape: list[int], data: bytes) -> Array:
@@ -172,7 +176,7 @@ def _refuse(name: str, values: Array, shape: tuple[int, ...]) -> None:
         raise EngineError(
             f"trajectory.{name} is {values.dtype} {values.shape}; expected float64 {shape}"
         )
-    is_finite = np.isfinite(values)
+    is_finite = np.isfinite(different_rows(values))
     if not is_finite.all():
         first = np.argwhere(~is_finite)[0]
         raise EngineError(

@@ -65,9 +65,12 @@ def test_runs_are_kept_whole_unless_one_may_end_otherwise(
     one = asked(0.125)
     run = Run(key="key", request=one.request, engine="reference", version="1", failure=failure)
     with spool() as trajectories:
-        found = Runs(by_place={one.place: run}, spool=trajectories, made=1, read=0)
+        found = Runs(spool=trajectories)
+        found.add(one.place, run)
         assert found.is_lasting == is_lasting
         assert found.of_task(1) == {}
+        assert found.different(read=False) == 1
+        assert found.different(read=True) == 0
 
 
 def test_the_trajectories_asked_for_last_are_held_as_far_as_there_is_room(
@@ -81,7 +84,7 @@ def test_the_trajectories_asked_for_last_are_held_as_far_as_there_is_room(
     with spool() as trajectories:
         for run in runs:
             trajectories.keep(run.key, packed)
-        recent = Recent(Runs(by_place={}, spool=trajectories, made=3, read=0))
+        recent = Recent(Runs(spool=trajectories))
         first, second = map(recent.trajectory, runs[:2])
         assert recent.trajectory(runs[0]) is first
         # The second was not asked for longest, and goes.
@@ -99,5 +102,5 @@ def test_a_run_that_failed_has_no_trajectory_to_read() -> None:
         key="key", request=asked(0.125).request, engine="reference", version="1", failure=CRASH
     )
     with spool() as trajectories:
-        recent = Recent(Runs(by_place={}, spool=trajectories, made=1, read=0))
+        recent = Recent(Runs(spool=trajectories))
         assert recent.trajectory(run) is None
