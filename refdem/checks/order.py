@@ -94,7 +94,7 @@ STARTED = 8 * MEMORY
 tolerance.
 """
 NEAR = 0.25
-"""Distance of a mean order from the claimed one at which the levels of the plan decide, if the
+"""How far a mean order may be below the claimed one for the levels of the plan to decide, if the
 errors lie on a line.
 """
 ON_A_LINE = 0.1
@@ -165,7 +165,7 @@ class Order(Check):
         return finer
 
     def _is_shown(self, subject: Subject, runs: Mapping[Variant, CompletedRun]) -> bool:
-        """True if the levels of the plan pass with errors on a line of the claimed order or more."""
+        """True if the levels of the plan pass, with errors on a line of the claimed order or above."""
         findings = self._findings(subject, runs, subject.levels)
         is_passed = all(finding.outcome == "pass" for finding in findings)
         if not is_passed or findings[0].order_seen is None:

@@ -6,7 +6,7 @@ back, must agree with the plain run to round-off. No truth is needed.
 """
 
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 from typing import NamedTuple
 
@@ -256,6 +256,8 @@ class Level:
     subject: Subject
     runs: Mapping[Variant, CompletedRun]
     level: float
+    _held: dict[str, Trajectory | None] = field(default_factory=dict)
+    """The image that was asked for last: of a large gas there is room for few."""
 
     @cached_property
     def plain(self) -> Trajectory:
@@ -270,6 +272,12 @@ class Level:
 
     def image(self, name: str) -> Trajectory | None:
         """The run of an image, transformed back; None if it was not made, or refused."""
+        if name not in self._held:
+            self._held.clear()
+            self._held[name] = self._transformed_back(name)
+        return self._held[name]
+
+    def _transformed_back(self, name: str) -> Trajectory | None:
         run = self.runs.get(Variant(self.level, name))  # type: ignore[arg-type]
         if run is None:
             return None
