@@ -1,5 +1,5 @@
 """Probes of which spheres a program looks at: those that start apart and meet later, that touch
-several others at once, or that come late in a long list.
+several others at once, that come late in a long list, or that meet across a periodic boundary.
 
 Programs keep lists of neighbours, and renew them as spheres move. All contacts are undamped and
 head-on, so that each has a closed form.
@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from refdem.campaign.probes import Expected, Probe
 from refdem.scene import Body, Scene, Sphere
 from refdem.scene.elements.contact import Contact
+from refdem.scene.elements.periodic_box import PeriodicBox
 
 Array = NDArray[np.float64]
 
@@ -22,11 +23,20 @@ AROUND = 5
 """Spheres around one, with gaps between them."""
 BETWEEN = 80
 """Bodies listed between two that meet: more than the 64 bits of a word."""
+PERIOD = 8.0
+"""[m], of the box in which pairs meet across its boundary."""
+ACROSS = (2.0, -3.0, 6.0)
+"""Along it spheres meet where all three axes cross the boundary; a face or an edge has a part."""
 
 
 def neighbour_probes() -> tuple[Probe, ...]:
     """The probes of lists of neighbours."""
-    return (_meeting("meeting later", between=0), _surrounded(), _meeting("many", between=BETWEEN))
+    return (
+        _meeting("meeting later", between=0),
+        _surrounded(),
+        _meeting("many", between=BETWEEN),
+        _across_boundary(),
+    )
 
 
 def _bounce(t: Array, rate: float, speed: float, start: float) -> tuple[Array, Array]:
@@ -114,6 +124,56 @@ def _surrounded() -> Probe:
     sizes = [(3.0, radii[0]), *[(mass, radii[1])] * AROUND]
     return _of_spheres(
         "surrounded", "a sphere in several contacts at once, and every one of them", sizes, expected
+    )
+
+
+def _across_boundary() -> Probe:
+    """Seven pairs that start apart in a periodic box and meet head-on: across each of its three
+    faces, three edges and at its corner.
+
+    Each pair moves as one in empty space. Velocities alone are compared, since any image of a place
+    is as good. A box from 0 to PERIOD has all spheres at its start.
+    """
+    masses = np.array([2.0, 3.0])
+    radii = np.array([0.5, 0.25])
+    gap = 0.375
+    speed = 1.0
+    rate = float(np.sqrt(STIFFNESS * masses.sum() / masses.prod()))
+    # The centre of mass is at rest, and sphere 1 has the part m2/(m1 + m2) of the closing speed.
+    shares = masses[::-1] / masses.sum() * [1.0, -1.0]
+    crossed = np.array([axes for axes in np.ndindex(2, 2, 2) if any(axes)], float)
+    along = crossed * ACROSS
+    along /= np.linalg.norm(along, axis=1)[:, None]
+    # In the middle of a face or an edge, of which 0 is a point: PERIOD/2 along the other axes.
+    middle = PERIOD / 2 * (1.0 - crossed)
+    reach = radii.sum() + gap
+    # (7, 2, 3): half of the distance to either side of the boundary.
+    pairs = middle[:, None] + np.array([-0.5, 0.5])[:, None] * reach * along[:, None]
+    inside = (pairs % PERIOD).reshape(-1, 3)
+    # (14, 3): for each sphere the direction, times its part of the closing speed.
+    directions = (shares[:, None] * along[:, None]).reshape(-1, 3)
+
+    def expected(t: Array) -> Expected:
+        closing, _ = _bounce(t, rate, speed, gap / speed)
+        return {"velocity": closing[:, None, None] * directions}
+
+    start = expected(np.zeros(1))["velocity"][0]
+    sizes = list(zip(masses, radii, strict=True)) * len(crossed)
+    bodies = [
+        Body(
+            mass=float(mass),
+            position=tuple(position.tolist()),
+            velocity=tuple(velocity.tolist()),
+            shape=Sphere(radius=float(radius)),
+        )
+        for (mass, radius), position, velocity in zip(sizes, inside, start, strict=True)
+    ]
+    contact = Contact(law="linear", stiffness=STIFFNESS)
+    return Probe(
+        name="across a periodic boundary",
+        shows="the images of spheres beyond the faces, edges and corners of a periodic box",
+        scene=Scene.of(bodies, [PeriodicBox(size=PERIOD), contact]),
+        expected=expected,
     )
 
 

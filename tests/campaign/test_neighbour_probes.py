@@ -5,12 +5,16 @@ lists that miss some.
 import numpy as np
 import pytest
 
-from refdem.campaign.neighbour_probes import neighbour_probes
-from refdem.campaign.smoke import BOUND
+from refdem.campaign.neighbour_probes import PERIOD, neighbour_probes
+from refdem.campaign.smoke import BOUND, smoke
 from refdem.campaign.suspicion import distance
+from refdem.core.engine import Engine, Method
+from refdem.core.trajectory import Cost, Trajectory
 from refdem.scene.elements.contact import Contact
+from refdem.scene.elements.periodic_box import PeriodicBox
 
 PROBES = {probe.name: probe for probe in neighbour_probes()}
+ACROSS = "across a periodic boundary"
 SUBSTEPS = 32
 SKIN = 0.25
 
@@ -43,15 +47,21 @@ def within_a_word(start, position, reach, touching):
     return touching & (abs(numbers[:, None] - numbers) < 64)
 
 
-def simulated(probe, listed):
-    """Position and velocity (T, N, 3) by velocity Verlet, with the contacts that `listed` keeps."""
+def simulated(probe, listed, image=np.round):
+    """Position and velocity (T, N, 3) by velocity Verlet, with the contacts that `listed` keeps.
+
+    `image` gives the number of periods (N, N, 3) by which a branch vector is shifted.
+    """
     bodies = probe.scene.bodies
+    boxes = probe.scene.all(PeriodicBox)
     stiffness = probe.scene.all(Contact)[0].stiffness
     reach = bodies.radius[:, None] + bodies.radius
     start = bodies.position
 
     def acceleration(position):
         branch = position[:, None] - position
+        for box in boxes:
+            branch = branch - box.size * image(branch / box.size)
         apart = np.linalg.norm(branch, axis=-1)
         touching = (apart < reach) & (apart > 0)
         touching = listed(start, position, reach, touching)
@@ -74,9 +84,9 @@ def simulated(probe, listed):
     return {"position": np.array(positions), "velocity": np.array(velocities)}
 
 
-def largest_error(probe, listed):
-    seen = simulated(probe, listed)
-    return max(distance(seen[name], probe.right[name], name) for name in seen)
+def largest_error(probe, listed, image=np.round):
+    seen = simulated(probe, listed, image)
+    return max(distance(seen[name], probe.right[name], name) for name in probe.right)
 
 
 @pytest.mark.parametrize("name", PROBES)
@@ -95,3 +105,70 @@ def test_spheres_of_which_every_pair_is_looked_at_move_as_the_formula_says(name)
 )
 def test_a_list_that_misses_pairs_is_seen(listed, seen_by):
     assert largest_error(PROBES[seen_by], listed) > 2 * BOUND
+
+
+def along_two_axes(branch):
+    """Images along x and y alone."""
+    return np.round(branch) * [1, 1, 0]
+
+
+def across_faces(branch):
+    """Images beyond faces and edges; a pair that meets across a corner has none."""
+    nearest = np.round(branch)
+    return nearest * (np.abs(nearest).sum(axis=-1, keepdims=True) < 3)
+
+
+def truncated(branch):
+    """Images of branches that are longer than the box alone."""
+    return np.trunc(branch)
+
+
+@pytest.mark.parametrize("image", [along_two_axes, across_faces, truncated])
+def test_a_pair_that_is_lost_across_a_periodic_boundary_is_seen(image):
+    assert largest_error(PROBES[ACROSS], all_pairs, image) > 2 * BOUND
+
+
+class Wrapping(Engine):
+    """Spheres whose places are told between -`period`/2 and `period`/2."""
+
+    name = "wrapping"
+    title = "Wrapping"
+    methods = (Method(name="verlet", summary="velocity Verlet", control="step", order=2),)
+
+    def __init__(self, period):
+        self.period = period
+
+    def missing(self):
+        return None
+
+    def version(self):
+        return "1"
+
+    def fingerprint(self, method):
+        return "1"
+
+    def unsupported_motion(self, problem, method):
+        if problem.scene.all(PeriodicBox):
+            return None
+        return "no box"
+
+    def run(self, request):
+        seen = simulated(PROBES[ACROSS], all_pairs)
+        place = seen["position"]
+        bodies = request.problem.scene.bodies
+        still = np.zeros((len(place), *bodies.attitude.shape)) + bodies.attitude
+        trajectory = Trajectory(
+            t=request.problem.times,
+            position=place - self.period * np.round(place / self.period),
+            velocity=seen["velocity"],
+            attitude=still,
+            omega=0 * place,
+        )
+        return trajectory, Cost(seconds=0.0)
+
+
+@pytest.mark.parametrize(("part_of_period", "outcome"), [(1.0, "pass"), (0.5, "fail")])
+def test_the_first_sample_may_be_any_image_of_a_place(part_of_period, outcome):
+    findings = {f.quantity: f.outcome for f in smoke(Wrapping(part_of_period * PERIOD))}
+    assert findings[f"{ACROSS}: first sample"] == outcome
+    assert findings[f"{ACROSS}: velocity"] == "pass"
