@@ -12,6 +12,7 @@ from refdem.core.engine import Engine, Method
 from refdem.core.trajectory import Cost, Trajectory
 from refdem.scene.elements.contact import Contact
 from refdem.scene.elements.periodic_box import PeriodicBox
+from refdem.scene.elements.plane import Plane
 
 PROBES = {probe.name: probe for probe in neighbour_probes()}
 ACROSS = "across a periodic boundary"
@@ -47,13 +48,35 @@ def within_a_word(start, position, reach, touching):
     return touching & (abs(numbers[:, None] - numbers) < 64)
 
 
-def simulated(probe, listed, image=np.round):
-    """Position and velocity (T, N, 3) by velocity Verlet, with the contacts that `listed` keeps.
+def twice(start, position, reach, touching):
+    """Every contact twice, as in lists of cells of which two are beside each other both ways."""
+    return 2 * touching
+
+
+def every_wall(overlaps):
+    return overlaps
+
+
+def first_wall(overlaps):
+    """The first wall alone of those that a sphere touches."""
+    touches = overlaps > 0
+    return overlaps * (touches & (np.cumsum(touches, axis=0) == 1))
+
+
+def deepest_wall(overlaps):
+    """The wall alone that a sphere presses most."""
+    return overlaps * (overlaps == overlaps.max(axis=0))
+
+
+def simulated(probe, listed, image=np.round, felt=every_wall):
+    """Position and velocity (T, N, 3) by velocity Verlet, with the contacts that `listed` keeps and
+    the overlaps with walls (W, N) that are `felt`.
 
     `image` gives the number of periods (N, N, 3) by which a branch vector is shifted.
     """
     bodies = probe.scene.bodies
     boxes = probe.scene.all(PeriodicBox)
+    walls = probe.scene.all(Plane)
     stiffness = probe.scene.all(Contact)[0].stiffness
     reach = bodies.radius[:, None] + bodies.radius
     start = bodies.position
@@ -67,7 +90,12 @@ def simulated(probe, listed, image=np.round):
         touching = listed(start, position, reach, touching)
         apart[apart == 0] = 1.0
         push = stiffness * (reach - apart) * touching / apart
-        return np.sum(push[..., None] * branch, axis=1) / bodies.mass[:, None]
+        force = np.sum(push[..., None] * branch, axis=1)
+        if walls:
+            heights = [(position - np.array(wall.point)) @ np.array(wall.normal) for wall in walls]
+            overlaps = felt(np.maximum(bodies.radius - np.array(heights), 0.0))
+            force += stiffness * overlaps.T @ np.array([wall.normal for wall in walls])
+        return force / bodies.mass[:, None]
 
     h = (probe.times[1] - probe.times[0]) / SUBSTEPS
     position, velocity = start, bodies.velocity
@@ -84,8 +112,8 @@ def simulated(probe, listed, image=np.round):
     return {"position": np.array(positions), "velocity": np.array(velocities)}
 
 
-def largest_error(probe, listed, image=np.round):
-    seen = simulated(probe, listed, image)
+def largest_error(probe, listed, image=np.round, felt=every_wall):
+    seen = simulated(probe, listed, image, felt)
     return max(distance(seen[name], probe.right[name], name) for name in probe.right)
 
 
@@ -101,6 +129,7 @@ def test_spheres_of_which_every_pair_is_looked_at_move_as_the_formula_says(name)
         (renewed_late, "meeting later"),
         (two_each, "surrounded"),
         (within_a_word, "many"),
+        (twice, "in a small periodic box"),
     ],
 )
 def test_a_list_that_misses_pairs_is_seen(listed, seen_by):
@@ -126,6 +155,11 @@ def truncated(branch):
 @pytest.mark.parametrize("image", [along_two_axes, across_faces, truncated])
 def test_a_pair_that_is_lost_across_a_periodic_boundary_is_seen(image):
     assert largest_error(PROBES[ACROSS], all_pairs, image) > 2 * BOUND
+
+
+@pytest.mark.parametrize("felt", [first_wall, deepest_wall])
+def test_a_second_wall_that_is_not_felt_is_seen(felt):
+    assert largest_error(PROBES["in a corner"], all_pairs, felt=felt) > 2 * BOUND
 
 
 class Wrapping(Engine):
