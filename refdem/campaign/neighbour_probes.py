@@ -41,6 +41,7 @@ def neighbour_probes() -> tuple[Probe, ...]:
     """The probes of lists of neighbours."""
     return (
         _meeting("meeting later", between=0),
+        _meeting("meeting one at rest", between=0, is_second_at_rest=True),
         _surrounded(),
         _meeting("many", between=BETWEEN),
         _across_boundary("across a periodic boundary", _EVERY_CROSSING, PERIOD),
@@ -62,12 +63,13 @@ def _bounce(t: Array, rate: float, speed: float, start: float) -> tuple[Array, A
     return speed * np.cos(phase), speed * (before + np.sin(phase) / rate - after)
 
 
-def _meeting(name: str, *, between: int) -> Probe:
+def _meeting(name: str, *, between: int, is_second_at_rest: bool = False) -> Probe:
     """Two unlike spheres that start apart, the first and the last in the list, and meet head-on.
 
     The gap is wider than half the larger radius, and each sphere moves by less than that until they
-    meet. The bodies between them in the list are at rest and far away. The contact has w =
-    sqrt(k/mu) with the reduced mass mu = m1 m2/(m1 + m2).
+    meet, unless the second is at rest and the first comes all the way. The bodies between them in
+    the list are at rest and far away. The contact has w = sqrt(k/mu) with the reduced mass
+    mu = m1 m2/(m1 + m2).
     """
     masses = np.array([2.0, 3.0])
     radii = (0.5, 0.25)
@@ -77,9 +79,12 @@ def _meeting(name: str, *, between: int) -> Probe:
     place = np.array([-1.0, 0.5, 0.0])
     starts = np.stack([place, place + (sum(radii) + gap) * along])
     rate = float(np.sqrt(STIFFNESS * masses.sum() / masses.prod()))
-    # Both move at the same speed before they meet. The centre of mass keeps its velocity.
+    # Both move at the same speed before they meet, or the first alone. The centre of mass keeps its
+    # velocity.
     shares = masses[::-1] / masses.sum() * [1.0, -1.0]
     centre_velocity = (masses[0] - masses[1]) / masses.sum() * speed / 2
+    if is_second_at_rest:
+        centre_velocity = masses[0] / masses.sum() * speed
     rows, columns = np.divmod(np.arange(between), 10)
     far = np.column_stack([4.0 + 1.25 * rows, 1.25 * columns - 5.0, 0.0 * rows])
 

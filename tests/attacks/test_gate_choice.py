@@ -22,7 +22,7 @@ from tests.foreign.right.programs import PROGRAMS
 FOREIGN = Path(__file__).parents[1] / "foreign"
 SEED = 1
 LEVELS = 3
-"""Of a gate, unless its refdem.toml has others."""
+"""One less than a gate has, unless its refdem.toml has others: what shows at these shows there."""
 CROWDS = ("granular-gas",)
 """Cases of so many bodies that a step in plain Python takes too long."""
 RIGHT = {program.name: program for program in PROGRAMS if "-" not in program.name}

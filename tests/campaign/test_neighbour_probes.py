@@ -36,6 +36,13 @@ def renewed_late(start, position, reach, touching):
     return never_renewed(start, position, reach, touching)
 
 
+def renewed_by_the_last(start, position, reach, touching):
+    """The list of the start, until the last sphere of all has moved by half of the skin."""
+    if np.linalg.norm(position[-1] - start[-1]) > SKIN / 2:
+        return touching
+    return never_renewed(start, position, reach, touching)
+
+
 def two_each(start, position, reach, touching):
     """The first two contacts of each sphere."""
     kept = touching & (np.cumsum(touching, axis=1) <= 2)
@@ -127,6 +134,7 @@ def test_spheres_of_which_every_pair_is_looked_at_move_as_the_formula_says(name)
     [
         (never_renewed, "meeting later"),
         (renewed_late, "meeting later"),
+        (renewed_by_the_last, "meeting one at rest"),
         (two_each, "surrounded"),
         (within_a_word, "many"),
         (twice, "in a small periodic box"),
