@@ -66,7 +66,7 @@ def test_a_correct_engine_passes_every_probe_and_refusals_are_left_out(sound):
 
 
 def test_a_list_that_is_never_renewed_is_seen_by_the_probes():
-    assert failed(NeverRenewed()) == {"meeting later: position", "meeting later: velocity"}
+    assert failed(NeverRenewed()) >= {"meeting later: position", "meeting later: velocity"}
 
 
 def names_of_baseline(program):
