@@ -25,10 +25,10 @@ Array = NDArray[np.float64]
 State = tuple[Array, Array, Array, Array]
 """Position, velocity, attitude and angular momentum about each centre, (N, 3 or 4), space axes."""
 
-LONGEST_STEP = 2.0**-8
+LONGEST_STEP = 2.0**-6
 """[s].
 
-At rates of 5 /s the motion is then right to 1e-8 of its scale, far below the bound of a probe.
+At rates of 5 /s the motion is then right to 3e-6 of its scale, far below the bound of a probe.
 """
 
 

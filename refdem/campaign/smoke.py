@@ -28,6 +28,7 @@ from refdem.engines.external.serving import NOT_AGAIN
 from refdem.errors import UnsupportedError
 from refdem.mechanics import momentum
 from refdem.mechanics.quaternion import conjugate, rotated
+from refdem.scene.elements.periodic_box import PeriodicBox
 
 Array = NDArray[np.float64]
 
@@ -237,19 +238,25 @@ def _clock(trajectory: Trajectory, request: Request, probe: Probe, method: Metho
 def _first_sample(
     trajectory: Trajectory, request: Request, probe: Probe, method: Method
 ) -> Finding:
-    """The finding on row 0, which must be the scene's state.
+    """The finding on row 0, which must be the scene's state; in a periodic box any image of a place
+    will do.
 
     Velocities that lag are of half a step earlier and are left out.
     """
-    bodies = request.problem.scene.bodies
+    scene = request.problem.scene
+    bodies = scene.bodies
     names: tuple[str, ...] = ("position", "attitude")
     if method.velocity_time == "synchronous":
         names = STATE
     distances = []
     for column in names:
         first = getattr(trajectory, column)[0]
+        expected = getattr(bodies, column)
+        for box in scene.all(PeriodicBox):
+            if column == "position":
+                first = expected + box.nearest(first - expected)
         is_attitude = column == "attitude"
-        distance = _largest(first, getattr(bodies, column), signless=is_attitude)
+        distance = _largest(first, expected, signless=is_attitude)
         distances.append((distance, column))
     error, name = max(distances)
     sentence = (

@@ -22,6 +22,7 @@ from refdem.engines.external import load
 from refdem.errors import EngineMissingError, UsageError
 from refdem.gate import baseline, compare
 from refdem.gate.baseline import Accepted
+from refdem.gate.probing import LABEL, probe_record
 
 ULPS = (2, -2, 6)
 """Units in the last place by which the starts of reruns are moved, to see how much of a value is
@@ -45,6 +46,8 @@ class Gate:
     store: Store
     jobs: int = 2
     progress: Progress = lambda stage, done, total: None
+    has_probes: bool = False
+    """True if the probes of `refdem smoke` are run as well."""
     _noise: dict[tuple[str, str], list[Record]] = field(default_factory=dict)
 
     def specification(self) -> Specification:
@@ -72,7 +75,16 @@ class Gate:
             sentences = dict.fromkeys(finding.sentence for finding in findings)
             reasons = "; ".join(sentences) or "no case"
             raise UsageError(f"the gate of {self.engine.name} decided nothing: {reasons}")
-        return sheets
+        return [*sheets, *self._probes()]
+
+    def _probes(self) -> list[Record]:
+        """The record of the probes, if the gate has them and the program supports any."""
+        if not self.has_probes:
+            return []
+        record = probe_record(self.engine)
+        if record is None:
+            return []
+        return [record]
 
     def resolution(self) -> list[Resolution]:
         """What the program would have noticed of each number of its scenes: it runs some twenty
@@ -97,9 +109,11 @@ class Gate:
         return [*others, *compare.compared(records, accepted, self.noise)]
 
     def noise(self, record: Record, finding: Finding) -> float:
-        """The largest change of a finding's size in reruns whose starts are moved by ULPS."""
+        """The largest change of a finding's size in reruns whose starts are moved by ULPS; 0 for a
+        probe, which has one start.
+        """
         size = compare.size(finding)
-        if size is None:
+        if size is None or record.label == LABEL:
             return 0.0
         name = record.id(finding)
         changes = []
@@ -133,7 +147,8 @@ def of_program(toml: Path, baseline_file: Path | None, jobs: int, progress: Prog
     if (reason := program.missing()) is not None:
         raise EngineMissingError(f"{toml}: {reason}")
     table = program.description
-    cases = [Entry(*labelled(label)) for label in table.gate.cases] or supported(program)
+    named_cases = [Entry(*labelled(label)) for label in table.gate.cases]
+    cases = named_cases or supported(program)
     if not cases:
         raise UsageError(
             f"{toml}: engine.supports allows no case; expected features such as spring, rotation or"
@@ -142,7 +157,15 @@ def of_program(toml: Path, baseline_file: Path | None, jobs: int, progress: Prog
     place = baseline_file or program.path.parent / table.gate.baseline
     store = Store(default_path())
     return Gate(
-        program, cases, table.gate.levels, place, table.engine.timeout, store, jobs, progress
+        engine=program,
+        cases=cases,
+        levels=table.gate.levels,
+        baseline=place,
+        timeout=table.engine.timeout,
+        store=store,
+        jobs=jobs,
+        progress=progress,
+        has_probes=not named_cases,
     )
 
 

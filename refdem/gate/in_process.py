@@ -12,22 +12,31 @@ from refdem.core.finding import BROKEN, Record, findings_of
 from refdem.core.parameters import labelled
 from refdem.core.store import Store
 from refdem.gate.gate import supported
+from refdem.gate.probing import probe_record
 
 
 def records(engine: Engine, cases: Iterable[str] = (), *, levels: int = 4) -> list[Record]:
     """The records of an engine object in the given cases (`pendulum[theta0=2]`), or in all that it
-    supports, with at most `levels` refinement levels.
+    supports, with at most `levels` refinement levels. Without `cases` there is one more record, of
+    the probes of `refdem smoke`.
     """
+    named_cases = [Entry(*labelled(case)) for case in cases]
     # A campaign names its engines, and needs a store: both exist only while this one runs.
     with discovery.engine_here(engine), tempfile.TemporaryDirectory() as folder:
-        entries = [Entry(*labelled(case)) for case in cases] or supported(engine)
+        entries = named_cases or supported(engine)
         specification = Specification(
             name=f"gate of {engine.name}", case=entries, engines=[engine.name], levels=levels
         )
         store = Store(Path(folder) / "store.sqlite")
         sheets = Campaign(specification, store, jobs=0, use_store=False).sheets()
         store.close()
-    return [sheet for sheet in sheets if isinstance(sheet, Record)]
+    judged = [sheet for sheet in sheets if isinstance(sheet, Record)]
+    of_probes = None
+    if not named_cases:
+        of_probes = probe_record(engine)
+    if of_probes is not None:
+        judged.append(of_probes)
+    return judged
 
 
 def broken(judged: Iterable[Record]) -> list[str]:

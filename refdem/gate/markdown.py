@@ -6,6 +6,7 @@ from collections import Counter
 
 from refdem.core.finding import BROKEN, WORST_FIRST, CaseSheet, Finding, Record, Sheet, worst_first
 from refdem.core.outside import markdown_text, one_line
+from refdem.gate.probing import LABEL
 
 MAX_FINDINGS = 20
 """Rows of the table: a comment on a pull request stays readable."""
@@ -53,6 +54,8 @@ def _commands(sheets: list[Sheet], broken: list[Record]) -> list[str]:
     commands = [
         f"{reproduce[label]} --engine refdem.toml" for label in labels if label in reproduce
     ]
+    if LABEL in labels:
+        commands.insert(0, "refdem smoke refdem.toml")
     return commands[:10]
 
 

@@ -172,7 +172,7 @@ class GateTable(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields
         list[str],
         said(
             "`pendulum` or `pendulum[theta0=2 mass=3]`; none: all that it supports, some at several"
-            " settings"
+            " settings, and the probes of `refdem smoke`"
         ),
     ] = []
     levels: int = 4

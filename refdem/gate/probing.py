@@ -1,0 +1,35 @@
+"""The probes of `refdem smoke` as a record of a gate: what no case of the catalogue shows, such as
+stale lists of neighbours, pairs across a periodic boundary, and fixed bodies.
+"""
+
+from refdem.campaign.deviations import applied, of_engine
+from refdem.campaign.smoke import smoke
+from refdem.core.engine import Engine
+from refdem.core.finding import Record
+
+LABEL = "smoke"
+"""The case and the label of the record, which no case of the catalogue has."""
+METHOD = "all"
+"""The method of the record: of each quantity it has the method with the largest error."""
+
+
+def probe_record(engine: Engine) -> Record | None:
+    """The findings on every probe that the engine supports; None if it supports no probe.
+
+    Probes that it does not support are left out, as cases are.
+    """
+    findings = [finding for finding in smoke(engine) if finding.outcome != "unsupported"]
+    if not findings:
+        return None
+    record = Record(
+        case=LABEL,
+        label=LABEL,
+        parameters={},
+        engine=engine.name,
+        version=engine.version(),
+        method=METHOD,
+        is_reference=engine.is_reference,
+        runs=(),
+        findings=tuple(findings),
+    )
+    return applied(record, of_engine(engine))
