@@ -4,15 +4,15 @@ them.
 A task is judged as soon as its runs are there, while those of others are made.
 """
 
-from collections import Counter
-from collections.abc import Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 
 from refdem.campaign import judging, runs
 from refdem.campaign.deviations import of_engine
 from refdem.campaign.plan import Task
-from refdem.campaign.runs import Recent, Runner, Runs
+from refdem.campaign.runs import Asked, Place, Recent, Runner, Runs
 from refdem.core.finding import Record
+from refdem.core.run import Run
 from refdem.core.variant import Variant
 
 
@@ -35,20 +35,17 @@ def records(
     stage = "runs"
     while wanted:
         from_start = runs.asked_of(tasks, wanted, fingerprints, ulps)
-        unanswered = Counter(asked.place[0] for asked in from_start)
         # Their runs that go on from the end of another come when that is there.
         waiting = {number for number, asked in wanted.items() if any(v.goes_on for v in asked)}
         more = {}
-        for asked, run in runner.runs(from_start, stage):
-            number, _ = asked.place
-            judge.runs.add(asked.place, run)
-            unanswered[number] -= 1
-            if unanswered[number] == 0 and number not in waiting:
+        for number in judge.completed(runner.runs(from_start, stage), from_start):
+            if number not in waiting:
                 more[number] = judge.judge(number)
         going_on = runs.asked_of(tasks, wanted, fingerprints, 0, judge.runs)
-        for asked, run in runner.runs(going_on, f"{stage} that go on"):
-            judge.runs.add(asked.place, run)
-        for number in waiting:
+        for number in judge.completed(runner.runs(going_on, f"{stage} that go on"), going_on):
+            more[number] = judge.judge(number)
+        # Nothing goes on from the end of a run that failed.
+        for number in waiting - more.keys():
             more[number] = judge.judge(number)
         wanted = {number: more[number] for number in sorted(more) if more[number]}
         stage = "finer runs"
@@ -67,6 +64,24 @@ class _Judge:
     def __post_init__(self) -> None:
         engines = {task.engine.name: task.engine for task in self.tasks}
         self._expected = {name: of_engine(engine) for name, engine in engines.items()}
+
+    def completed(
+        self, ended: Iterable[tuple[Asked, Run]], asked: Iterable[Asked]
+    ) -> Iterator[int]:
+        """The numbers of the tasks all of whose runs, of those that were asked for, have ended;
+        they have these runs now, in the order in which they were asked for.
+        """
+        places: dict[int, list[Place]] = {}
+        for one in asked:
+            places.setdefault(one.place[0], []).append(one.place)
+        found: dict[int, dict[Place, Run]] = {number: {} for number in places}
+        for one, run in ended:
+            number, _ = one.place
+            found[number][one.place] = run
+            if len(found[number]) == len(places[number]):
+                for place in places[number]:
+                    self.runs.add(place, found[number][place])
+                yield number
 
     def judge(self, number: int) -> tuple[Variant, ...]:
         """The variants that a task wants further; if it wants none, it has a record now."""

@@ -225,7 +225,7 @@ def _default_steps(data: ChartData) -> list[Spec]:
 def _errors(data: ChartData) -> Spec:
     """Panels for step, tolerance and exact methods beside each other, with one axis of errors."""
     kinds = [kind for kind in ("step", "tolerance", "exact") if kind in data.extents]
-    panels = []
+    panels: list[Spec] = []
     for kind in kinds:
         # Only the first panel names the axis that all share.
         if panels:

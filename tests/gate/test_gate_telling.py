@@ -66,7 +66,7 @@ def asked(instance):
 
 SLOW_AND_SOFT = 6
 SLOW = {SLOW_AND_SOFT, 7}
-UNDAMPED = {5, SLOW_AND_SOFT}
+UNDAMPED = {5, SLOW_AND_SOFT, 9}
 MISREADINGS = {
     "a tangential spring of at least 1 N/m": (
         contact(tangential_stiffness=lambda k: max(k, 1.0) if k else k),
