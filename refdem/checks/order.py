@@ -165,7 +165,7 @@ class Order(Check):
         return finer
 
     def _is_shown(self, subject: Subject, runs: Mapping[Variant, CompletedRun]) -> bool:
-        """True if the levels of the plan pass with errors on a line, of the claimed order or more."""
+        """True if the levels of the plan pass, on a line of the claimed order or more."""
         findings = self._findings(subject, runs, subject.levels)
         is_passed = all(finding.outcome == "pass" for finding in findings)
         if not is_passed or findings[0].order_seen is None:

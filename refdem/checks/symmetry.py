@@ -105,7 +105,8 @@ class Symmetry(Check):
         """Where images differ by more than round-off at the first level: those at the finest.
 
         Truncation error may depend on the axes of space; then it falls with the step. A rounding
-        may decide in which step a contact begins; more perturbed starts then show what it changes.
+        may decide in which step a contact begins; perturbed starts then show what it changes, and
+        further ones where the first two do not show as much as an image does.
         """
         if subject.method.control != "step":
             return ()
@@ -118,13 +119,24 @@ class Symmetry(Check):
             return ()
         if not differing:
             return ()
-        return (
+        fine = (
             Variant(level),
             *_perturbed_starts(subject, level),
             *_images(level, differing),
-            *_further_perturbations(subject, level),
             *_coarser_run(subject),
         )
+        last = Level(subject, runs, level)
+        if all(self._is_explained(last, name) for name in differing):
+            return fine
+        return (*fine, *_further_perturbations(subject, level))
+
+    def _is_explained(self, level: "Level", name: str) -> bool:
+        """True if an image differs by no more than what the perturbed starts so far explain, or has
+        not been run.
+        """
+        if Variant(level.level) not in level.runs or level.image(name) is None:
+            return True
+        return self._image(level, name).outcome == "pass"
 
     def judge(self, subject: Subject, runs: Mapping[Variant, CompletedRun]) -> list[Finding]:
         """One finding for each symmetry: the largest difference of any state, in units of each
