@@ -123,19 +123,25 @@ def _refuse_twins(sets: list[Wanted], path: Path) -> None:
 
 
 def judged_instances(folder: Path, cases: Iterable[str] = ()) -> list[Instance]:
-    """The motions of the campaigns main and gate whose sampled truths are kept.
+    """The motions of the campaigns main, gate and shipped, and the defaults of cases, whose sampled
+    truths are kept.
 
     They are those of the cases under `samples-of` in sets.toml, or, of these, only of `cases`.
     """
     only = set(cases)
     kept_cases = document_of(folder / "sets.toml").get(SAMPLED, [])
     chosen_cases = {case for case in kept_cases if not only or case in only}
-    planned = [*plan.instances(named("main")), *plan.instances(named("gate"))]
-    by_label = {instance.label: instance for instance, _ in planned}
+    planned = [
+        instance
+        for campaign in ("main", "gate", "shipped")
+        for instance, _ in plan.instances(named(campaign))
+    ]
+    planned += [discovery.case(case).at() for case in chosen_cases]
+    by_label = {instance.label: instance for instance in planned}
     return [
         instance
         for instance in by_label.values()
-        if instance.case.id in chosen_cases and isinstance(instance.problem, Motion)
+        if instance.case.id in chosen_cases
     ]
 
 
