@@ -164,9 +164,9 @@ def test_a_store_whose_own_words_are_no_text_is_made_anew(
     store.put("run", "k", b"data")
     store.close()
     data = path.read_bytes()
-    schema = b"WITHOUT ROWID"
+    schema = b"PRIMARY KEY"
     assert data.count(schema) == 1
-    path.write_bytes(data.replace(schema, b"WITHOUT \xffOWID"))
+    path.write_bytes(data.replace(schema, b"PRIMARY \xffEY"))
     store = Store(path)
     assert store.get("run", "k") is None
     store.put("run", "k", b"other")
