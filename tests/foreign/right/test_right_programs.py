@@ -9,6 +9,7 @@ import alarms
 import pytest
 from alarms import Count
 
+from refdem.campaign.smoke import smoke
 from refdem.core import discovery
 from refdem.core.parameters import labelled
 
@@ -331,6 +332,29 @@ def test_a_seed_draws_the_same_settings_again() -> None:
         for _ in range(2)
     )
     assert first == again
+
+
+PROBED = (
+    "multistep-single",
+    "rigid-single",
+    "rods-single",
+    "sliding-single",
+    "soft-leapfrog-single",
+    "soft-single",
+    "turning-single",
+)
+"""Right programs that come nearest to the bounds of probes: those in single precision."""
+
+
+@pytest.mark.parametrize("name", PROBED)
+def test_the_probes_of_a_gate_accuse_no_right_program(name):
+    (engine,) = [engine for engine in alarms.engines() if engine.name == f"right-{name}"]
+    findings = smoke(engine)
+    assert {finding.outcome for finding in findings} == {"pass", "unsupported"}
+    parts = [f.value / f.bound for f in findings if f.outcome == "pass" and f.bound]
+    assert len(parts) > 10
+    # Far from the bound: a right program of another method has room as well.
+    assert max(parts) < 0.5
 
 
 @pytest.mark.parametrize(("label", "program", "method"), FORMER)
