@@ -138,11 +138,7 @@ def judged_instances(folder: Path, cases: Iterable[str] = ()) -> list[Instance]:
     ]
     planned += [discovery.case(case).at() for case in chosen_cases]
     by_label = {instance.label: instance for instance in planned}
-    return [
-        instance
-        for instance in by_label.values()
-        if instance.case.id in chosen_cases
-    ]
+    return [instance for instance in by_label.values() if instance.case.id in chosen_cases]
 
 
 def proved_set(case: str, given: dict[str, str], times: tuple[str, ...], job: str = "") -> bytes:

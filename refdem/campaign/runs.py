@@ -56,7 +56,7 @@ class Runs:
     by_task: dict[int, dict[Variant, Run]] = field(default_factory=dict)
 
     def add(self, place: Place, run: Run) -> None:
-        """One more run."""
+        """Adds a run at its place."""
         number, variant = place
         self.by_task.setdefault(number, {})[variant] = run
 
