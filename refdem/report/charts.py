@@ -101,14 +101,14 @@ def _log(name: str, title: str, data: ChartData, ticks: int = 9, *, labels: bool
     ends = data.extents["error"]
     values = _powers(ends, ticks)
     axis = {"format": ".0e", "values": values, "labels": labels, "ticks": labels}
-    scale = {"type": "log", "domain": ends, "nice": False}
+    scale = {"type": "log", "domain": list(ends), "nice": False}
     return _quantity(name, title=title, scale=scale, axis=axis)
 
 
 def _log_x(name: str, title: str, ends: tuple[float, float]) -> Spec:
     """A logarithmic axis with room on both sides."""
     axis = {"format": "~e", "values": _powers(ends, 5), "labelOverlap": True}
-    scale = {"type": "log", "nice": False, "padding": 14, "domain": ends}
+    scale = {"type": "log", "nice": False, "padding": 14, "domain": list(ends)}
     return _quantity(name, title=title, scale=scale, axis=axis)
 
 
