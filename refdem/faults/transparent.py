@@ -130,7 +130,8 @@ class Transparent(Engine):
         for element in scene.elements:
             if reason := _refused(element):
                 return reason
-        if reason := _rigid_refused(scene) or _corners_refused(scene):
+        reason = _rigid_refused(scene) or _corners_refused(scene) or _fixed_refused(scene, method)
+        if reason:
             return reason
         if (
             method.name in ("drift-first", "explicit-euler")
@@ -259,6 +260,13 @@ def _is_on_plane(scene: Scene) -> bool:
         if np.any(height <= bodies.radius * (1 + NEAR)):
             return True
     return False
+
+
+def _fixed_refused(scene: Scene, method: Method) -> str | None:
+    """None without a fixed body, and for the methods that leave one where it is."""
+    if not scene.bodies.fixed.any() or method.name.startswith("verlet"):
+        return None
+    return "the method moves every body"
 
 
 def _corners_refused(scene: Scene) -> str | None:

@@ -4,15 +4,14 @@ what they are made from.
 
 import hashlib
 import json
-import re
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from functools import cache
 from pathlib import Path
 from typing import Any
 
 from refdem.core.kept_file import kept_file
 from refdem.core.store import Store
-from refdem.report import charts
+from refdem.report import charts, drawing
 from refdem.report.chart_data import ChartData
 from refdem.report.files import written
 
@@ -20,23 +19,6 @@ SNIPPET = "window.vegaEmbed = vegaEmbed;"
 """What the shared script leaves for report.js."""
 
 ASSETS = Path(__file__).with_name("assets")
-
-PAPER = {
-    "background": "white",
-    "font": "DejaVu Sans, Arial, sans-serif",
-    "view": {"stroke": "#d0d4d9"},
-    "text": {"color": "#30363d"},
-    "axis": {
-        "gridColor": "#eceef1",
-        "labelColor": "#30363d",
-        "titleColor": "#30363d",
-        "titleFontWeight": "normal",
-    },
-    "legend": {"labelColor": "#30363d", "titleColor": "#30363d", "labelLimit": 260},
-}
-"""How a chart looks on paper; pages have a light and a dark configuration of their own in
-report.js.
-"""
 
 
 def equip(folder: Path, store: Store | None) -> None:
@@ -51,34 +33,27 @@ def specification(data: ChartData) -> str:
     return json.dumps(charts.specification(data), separators=(",", ":"), sort_keys=True)
 
 
-def picture(spec: str, store: Store | None) -> bytes:
-    """The SVG that a specification of Vega-Lite is drawn as."""
-    return _kept(store, "chart", [_renderer(), PAPER, spec], lambda: _picture(spec))
-
-
-def _picture(spec: str) -> bytes:
-    """The SVG of a Vega-Lite specification on paper, the same bytes in every run."""
-    import vl_convert
-
-    chart: dict[str, Any] = json.loads(spec)
-    chart["background"] = PAPER["background"]
-    svg = vl_convert.vegalite_to_svg(chart, config=PAPER)
-    return _normalised(svg).encode()
-
-
-def _normalised(svg: str) -> str:
-    """The picture with its ids numbered in their own order, as Vega counts them through the life of
-    a process.
-
-    Descriptions of single marks are left out: half of the bytes, and nothing reads them in an
-    image.
+def pictures(specs: Sequence[str], store: Store | None) -> list[bytes]:
+    """The SVG that each specification of Vega-Lite is drawn as; those that the store has are not
+    drawn again.
     """
-    svg = re.sub(r"<[^>]+>", lambda tag: re.sub(r'\s(aria-[a-z]+|role)="[^"]*"', "", tag[0]), svg)
-    for index, name in enumerate(dict.fromkeys(re.findall(r'\bid="([A-Za-z_]+\d+)"', svg))):
-        svg = re.sub(
-            rf'(\bid="|url\(#|href="#){re.escape(name)}(?=["\)])', rf"\g<1>part-{index}", svg
-        )
-    return svg + "\n"
+    keys = {spec: _key([_renderer(), drawing.PAPER, spec]) for spec in specs}
+    found: dict[str, bytes] = {}
+    if store:
+        kept = {spec: store.get("chart", key) for spec, key in keys.items()}
+        found = {spec: svg for spec, svg in kept.items() if svg is not None}
+    missing = [spec for spec in keys if spec not in found]
+    for spec, svg in zip(missing, drawing.all_drawn(missing), strict=True):
+        found[spec] = svg.encode()
+        if store:
+            store.put("chart", keys[spec], found[spec])
+    return [found[spec] for spec in specs]
+
+
+def picture(spec: str, store: Store | None) -> bytes:
+    """The SVG of one specification."""
+    (svg,) = pictures([spec], store)
+    return svg
 
 
 def script(store: Store | None) -> bytes:
@@ -101,7 +76,7 @@ def _bundle() -> bytes:
 
 def _kept(store: Store | None, kind: str, parts: list[Any], drawn: Callable[[], bytes]) -> bytes:
     """What the store has under the digest of `parts`; made and put there if it has nothing."""
-    key = hashlib.sha256(json.dumps(parts, sort_keys=True).encode("utf-8", "replace")).hexdigest()
+    key = _key(parts)
     if store:
         kept = store.get(kind, key)
     else:
@@ -111,6 +86,11 @@ def _kept(store: Store | None, kind: str, parts: list[Any], drawn: Callable[[], 
         if store:
             store.put(kind, key, kept)
     return kept
+
+
+def _key(parts: list[Any]) -> str:
+    """The digest of parts that JSON can say."""
+    return hashlib.sha256(json.dumps(parts, sort_keys=True).encode("utf-8", "replace")).hexdigest()
 
 
 @cache

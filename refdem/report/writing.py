@@ -84,9 +84,9 @@ def _charts(
             "costs": chart_data.costs(contents, mine),
         }
     specs: dict[str, dict[str, str]] = {}
-    for label, drawn in charts.items():
-        specs[label] = {kind: figures.specification(data) for kind, data in drawn.items() if data}
-    pictures = set()
+    for label, of_page in charts.items():
+        specs[label] = {kind: figures.specification(data) for kind, data in of_page.items() if data}
+    drawn = {}
     for label, mine_specs in specs.items():
         # Costs hold times, which a committed file must not; curves over time are in the pages.
         for kind in ("tolerance", "errors"):
@@ -95,6 +95,8 @@ def _charts(
                     name = f"{page(label)}.svg"
                 else:
                     name = f"{kind}.svg"
-                written(folder / "figures" / name, figures.picture(mine_specs[kind], store))
-                pictures.add(name)
-    return pictures, specs
+                drawn[name] = mine_specs[kind]
+    pictures = figures.pictures(list(drawn.values()), store)
+    for name, picture in zip(drawn, pictures, strict=True):
+        written(folder / "figures" / name, picture)
+    return set(drawn), specs

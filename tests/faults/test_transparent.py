@@ -26,6 +26,7 @@ from refdem.scene.elements.ball_joint import BallJoint
 from refdem.scene.elements.rod import Rod
 from refdem.scene.elements.spring import Spring
 from refdem.scene.elements.string_over_wheel import StringOverWheel
+from refdem.scene.elements.uniform_gravity import UniformGravity
 
 
 def run(case, method, halvings, **given):
@@ -253,3 +254,15 @@ def test_a_slip_that_turns_is_refused():
     turning = replace(scene.bodies, velocity=np.array([[1.0, 0.0, 1.0]]))
     problem = Motion(Scene(turning, scene.elements), np.array([0.0, 1.0]))
     assert engine.unsupported_motion(problem, engine.method("verlet")) == "a slip that turns"
+
+
+def test_only_methods_that_leave_a_fixed_body_where_it_is_take_one():
+    scene = Scene.of([Body(mass=1.0), Body(mass=1.0, fixed=True)], [UniformGravity(g=(0, 0, -1))])
+    motion = Motion(scene, np.array([0.0, 1.0]))
+    engine = Transparent()
+    taking = [method for method in engine.methods if engine.unsupported(motion, method) is None]
+    assert {method.name for method in taking} > {"verlet"}
+    for method in taking:
+        run, _ = engine.run(Request(problem=motion, method=method.name, step=0.25))
+        assert run.position[-1, 1].tolist() == [0.0, 0.0, 0.0]
+        assert run.position[-1, 0, 2] < -0.3
