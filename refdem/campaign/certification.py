@@ -123,8 +123,8 @@ def _refuse_twins(sets: list[Wanted], path: Path) -> None:
 
 
 def judged_instances(folder: Path, cases: Iterable[str] = ()) -> list[Instance]:
-    """The motions of the campaigns main, gate and shipped, and the defaults of cases, whose sampled
-    truths are kept.
+    """The instances whose sampled truths are kept: of the campaigns main, gate and shipped, and at
+    the defaults of cases.
 
     They are those of the cases under `samples-of` in sets.toml, or, of these, only of `cases`.
     """

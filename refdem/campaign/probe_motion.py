@@ -26,9 +26,8 @@ State = tuple[Array, Array, Array, Array]
 """Position, velocity, attitude and angular momentum about each centre, (N, 3 or 4), space axes."""
 
 LONGEST_STEP = 2.0**-6
-"""[s].
-
-At rates of 5 /s the motion is then right to 3e-6 of its scale, far below the bound of a probe.
+"""[s]. The motions of all probes are then right to 5e-5 of their scales, a 400th of the bound of a
+probe.
 """
 
 

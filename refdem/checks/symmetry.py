@@ -268,7 +268,7 @@ class Level:
     subject: Subject
     runs: Mapping[Variant, CompletedRun]
     level: float
-    _held: dict[str, Trajectory | None] = field(default_factory=dict)
+    _held: dict[str, Trajectory | None] = field(default_factory=dict, init=False)
     """The image that was asked for last: of a large gas there is room for few."""
 
     @cached_property

@@ -22,7 +22,7 @@ from refdem.engines.external import load
 from refdem.errors import EngineMissingError, UsageError
 from refdem.gate import baseline, compare
 from refdem.gate.baseline import Accepted
-from refdem.gate.probing import LABEL, probe_record
+from refdem.gate.probing import LABEL, probe_records
 
 ULPS = (2, -2, 6)
 """Units in the last place by which the starts of reruns are moved, to see how much of a value is
@@ -75,16 +75,9 @@ class Gate:
             sentences = dict.fromkeys(finding.sentence for finding in findings)
             reasons = "; ".join(sentences) or "no case"
             raise UsageError(f"the gate of {self.engine.name} decided nothing: {reasons}")
-        return [*sheets, *self._probes()]
-
-    def _probes(self) -> list[Record]:
-        """The record of the probes, if the gate has them and the program supports any."""
-        if not self.has_probes:
-            return []
-        record = probe_record(self.engine)
-        if record is None:
-            return []
-        return [record]
+        if self.has_probes:
+            return [*sheets, *probe_records(self.engine)]
+        return sheets
 
     def resolution(self) -> list[Resolution]:
         """What the program would have noticed of each number of its scenes: it runs some twenty

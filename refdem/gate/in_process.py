@@ -12,7 +12,7 @@ from refdem.core.finding import BROKEN, Record, findings_of
 from refdem.core.parameters import labelled
 from refdem.core.store import Store
 from refdem.gate.gate import supported
-from refdem.gate.probing import probe_record
+from refdem.gate.probing import probe_records
 
 
 def records(engine: Engine, cases: Iterable[str] = (), *, levels: int = 4) -> list[Record]:
@@ -31,12 +31,9 @@ def records(engine: Engine, cases: Iterable[str] = (), *, levels: int = 4) -> li
         sheets = Campaign(specification, store, jobs=0, use_store=False).sheets()
         store.close()
     judged = [sheet for sheet in sheets if isinstance(sheet, Record)]
-    of_probes = None
-    if not named_cases:
-        of_probes = probe_record(engine)
-    if of_probes is not None:
-        judged.append(of_probes)
-    return judged
+    if named_cases:
+        return judged
+    return [*judged, *probe_records(engine)]
 
 
 def broken(judged: Iterable[Record]) -> list[str]:

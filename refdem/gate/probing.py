@@ -13,14 +13,14 @@ METHOD = "all"
 """The method of the record: of each quantity it has the method with the largest error."""
 
 
-def probe_record(engine: Engine) -> Record | None:
-    """The findings on every probe that the engine supports; None if it supports no probe.
+def probe_records(engine: Engine) -> list[Record]:
+    """The record of all probes that the engine supports; none if it supports no probe.
 
     Probes that it does not support are left out, as cases are.
     """
     findings = [finding for finding in smoke(engine) if finding.outcome != "unsupported"]
     if not findings:
-        return None
+        return []
     record = Record(
         case=LABEL,
         label=LABEL,
@@ -32,4 +32,4 @@ def probe_record(engine: Engine) -> Record | None:
         runs=(),
         findings=tuple(findings),
     )
-    return applied(record, of_engine(engine))
+    return [applied(record, of_engine(engine))]

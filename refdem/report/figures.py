@@ -4,7 +4,7 @@ what they are made from.
 
 import hashlib
 import json
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -58,7 +58,14 @@ def picture(spec: str, store: Store | None) -> bytes:
 
 def script(store: Store | None) -> bytes:
     """Vega, Vega-Lite and Vega-Embed in one script that needs no network."""
-    return _kept(store, "script", [_renderer(), SNIPPET], _script)
+    if not store:
+        return _script()
+    key = _key([_renderer(), SNIPPET])
+    kept = store.get("script", key)
+    if kept is None:
+        kept = _script()
+        store.put("script", key, kept)
+    return kept
 
 
 @cache
@@ -72,20 +79,6 @@ def _bundle() -> bytes:
     import vl_convert
 
     return bytes(vl_convert.javascript_bundle(SNIPPET).encode())
-
-
-def _kept(store: Store | None, kind: str, parts: list[Any], drawn: Callable[[], bytes]) -> bytes:
-    """What the store has under the digest of `parts`; made and put there if it has nothing."""
-    key = _key(parts)
-    if store:
-        kept = store.get(kind, key)
-    else:
-        kept = None
-    if kept is None:
-        kept = drawn()
-        if store:
-            store.put(kind, key, kept)
-    return kept
 
 
 def _key(parts: list[Any]) -> str:

@@ -91,7 +91,7 @@ def _maker(folder: Path) -> str:
     """
     parts = [
         fingerprint.of_refdem(),
-        *map(installed, ("altair", "vl-convert-python", "jinja2", "latex2mathml")),
+        *map(installed, ("vl-convert-python", "jinja2", "latex2mathml")),
         str((folder / "gallery" / "gallery.html").exists()),
         str((folder / "site" / "index.html").exists()),
     ]

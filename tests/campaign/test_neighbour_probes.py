@@ -8,8 +8,9 @@ import pytest
 from refdem.campaign.neighbour_probes import PERIOD, neighbour_probes
 from refdem.campaign.smoke import BOUND, smoke
 from refdem.campaign.suspicion import distance
-from refdem.core.engine import Engine, Method
+from refdem.core.engine import Method
 from refdem.core.trajectory import Cost, Trajectory
+from refdem.faults.transparent import Transparent
 from refdem.scene.elements.contact import Contact
 from refdem.scene.elements.periodic_box import PeriodicBox
 from refdem.scene.elements.plane import Plane
@@ -170,24 +171,14 @@ def test_a_second_wall_that_is_not_felt_is_seen(felt):
     assert largest_error(PROBES["in a corner"], all_pairs, felt=felt) > 2 * BOUND
 
 
-class Wrapping(Engine):
+class Wrapping(Transparent):
     """Spheres whose places are told between -`period`/2 and `period`/2."""
 
-    name = "wrapping"
-    title = "Wrapping"
     methods = (Method(name="verlet", summary="velocity Verlet", control="step", order=2),)
 
     def __init__(self, period):
+        super().__init__()
         self.period = period
-
-    def missing(self):
-        return None
-
-    def version(self):
-        return "1"
-
-    def fingerprint(self, method):
-        return "1"
 
     def unsupported_motion(self, problem, method):
         if problem.scene.all(PeriodicBox):

@@ -230,6 +230,20 @@ def test_an_image_that_differs_runs_at_the_finest_step_with_more_perturbed_start
     assert finest == ["none", *["perturbed"] * 6, "relabelled"]
 
 
+def test_an_image_that_differs_as_much_as_two_perturbed_starts_needs_no_further_ones():
+    """Bodies are elsewhere from any start but the plain one, as the first two of them show."""
+
+    def elsewhere(run, request):
+        moved = not np.array_equal(request.problem.scene.bodies.position, plain_position)
+        return replace(run, position=run.position + 1e-6 * moved)
+
+    _, subject = of_first_order()
+    plain_position = subject.instance.scene.bodies.position
+    *_, finest = changes_at_levels(elsewhere)
+    assert finest.count("perturbed") == 2
+    assert set(finest) > {"none", "rotated"}
+
+
 def moves_the_second_body(size, order):
     """A body that is moved by `size` h^order because it is the second one [m]: relabelling changes
     it, at any step.

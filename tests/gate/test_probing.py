@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from refdem.faults.transparent import Transparent
-from refdem.gate.probing import probe_record
+from refdem.gate.probing import probe_records
 from refdem.scene import Scene
 from refdem.scene.elements.contact import Contact
 
@@ -51,13 +51,14 @@ def gap(scene):
 
 def failed(engine):
     """The quantities of the probes that fail."""
-    findings = probe_record(engine).findings
-    return {finding.quantity for finding in findings if finding.outcome not in ("pass",)}
+    (record,) = probe_records(engine)
+    return {finding.quantity for finding in record.findings if finding.outcome != "pass"}
 
 
 @pytest.fixture(scope="module")
 def sound():
-    return probe_record(Verlet())
+    (record,) = probe_records(Verlet())
+    return record
 
 
 def test_a_correct_engine_passes_every_probe_and_refusals_are_left_out(sound):
