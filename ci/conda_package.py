@@ -8,6 +8,8 @@ import hashlib
 import json
 import os
 import re
+import shutil
+import subprocess
 import sys
 import tempfile
 from collections.abc import Iterable
@@ -28,7 +30,8 @@ from rattler_build import (
 )
 from rattler_build.progress import SimpleProgressCallback
 
-RECIPE = Path(__file__).parent / "conda" / "recipe.yaml"
+ROOT = Path(__file__).resolve().parents[1]
+RECIPE = Path("ci", "conda", "recipe.yaml")
 COMPILER = "system"
 """What the recipe's `compiler("c")` stands for here, without the platform."""
 RELEASE = ".".join(map(str, sys.version_info[:3]))
@@ -158,9 +161,21 @@ def asked(recipe: RenderedVariant) -> set[str]:
     return {name for name in names if name != "python" and not name.startswith(f"{COMPILER}_")}
 
 
+def copy_sources(folder: Path) -> None:
+    """Copies the files that git knows. In the tree itself what runs beside the build, as tests do,
+    makes and removes files, and a folder that vanishes ends the build.
+    """
+    listed = subprocess.run(["git", "ls-files", "-z"], cwd=ROOT, check=True, stdout=subprocess.PIPE)
+    for name in os.fsdecode(listed.stdout).split("\0")[:-1]:
+        (folder / name).parent.mkdir(parents=True, exist_ok=True)
+        shutil.copy2(ROOT / name, folder / name, follow_symlinks=False)
+
+
 def build(folder: Path) -> Path:
     """Builds the package from a channel of its own, runs its tests, and returns its path."""
-    recipe = Stage0Recipe.from_file(RECIPE)
+    sources = folder / "sources"
+    copy_sources(sources)
+    recipe = Stage0Recipe.from_file(sources / RECIPE)
     (rendered,) = recipe.render(VariantConfig({"c_compiler": [COMPILER]}))
     channel = folder / "channel"
     make_channel(channel, RenderConfig().target_platform, asked(rendered))

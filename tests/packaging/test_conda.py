@@ -7,6 +7,7 @@ import tomllib
 from pathlib import Path
 from typing import Any
 
+import conda_package
 import pytest
 from rattler_build import (
     Package,
@@ -88,6 +89,15 @@ def test_the_package_holds_the_command_and_every_kernel(package: Package) -> Non
     families = {path.stem for path in (ROOT / "refdem" / "kernels").glob("*.c")}
     built = {Path(name).name.partition(".")[0] for name in package.files if name.endswith(".so")}
     assert built == {f"_{family}" for family in families}
+
+
+def test_the_package_is_built_from_the_files_that_git_knows_alone(tmp_path: Path) -> None:
+    conda_package.copy_sources(tmp_path)
+    made = {str(path.relative_to(tmp_path)) for path in tmp_path.rglob("*") if path.is_file()}
+    known = subprocess.run(
+        ["git", "ls-files"], cwd=ROOT, check=True, capture_output=True, text=True
+    )
+    assert made == set(known.stdout.splitlines())
 
 
 def test_the_package_holds_nothing_of_other_packages(package: Package) -> None:
