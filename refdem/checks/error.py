@@ -35,6 +35,10 @@ from refdem.core.truth import SampledTruth
 from refdem.core.variant import Variant
 from refdem.scene.elements.contact import Contact
 
+OWN_SHARE = 0.1
+"""Part of the largest change of any quantity at a halving that the change of a single quantity is
+taken for at least. A quantity whose own changes are smaller may owe them to terms that cancel.
+"""
 COURSE = 10.0
 """Bound, in scales, beyond which the motion may have changed its course; runs with different steps
 may then agree by chance.
@@ -76,10 +80,11 @@ class Error(Check):
         if not names:
             return [undecided(self.name, "state", MIXED)]
         signals = _signals(subject, truth)
-        bounds = _bounds(subject, runs)
+        estimates = _error_from_halvings(subject, runs)
         findings = []
         for name in names:
             by_level = {level: of_level[name] for level, of_level in errors_at.items()}
+            bounds = _bounds(subject, _estimate_of(name, estimates))
             allowed = {
                 level: _at_least(bound, left_at[level].get(name)) for level, bound in bounds.items()
             }
@@ -167,19 +172,20 @@ class Error(Check):
         )
 
 
-def _bounds(subject: Subject, runs: Mapping[Variant, CompletedRun]) -> dict[float, Array]:
+def _bounds(subject: Subject, estimate: Array | None) -> dict[float, Array]:
     """The bound (count,) of every level up to its horizon; levels with fewer than two samples below
     it are left out.
 
     The bound on the state is the largest error constant allowed times S; where the order is 1 and
     contacts are stiff it soon passes the horizon. At the finest level the error is also estimated
-    from the last halvings of the step, and the smaller of both bounds counts.
+    from the last halvings of the step, as `estimate` (count,), and the smaller of both bounds
+    counts.
     """
     bounds: dict[float, Array] = {}
     for level in subject.levels:
         allowed = subject.bound(level)
         if level == subject.levels[-1]:
-            allowed = _smaller_bound(allowed, _error_from_halvings(subject, runs))
+            allowed = _smaller_bound(allowed, estimate)
         count = scored(allowed)
         if count >= min(2, len(allowed)):
             bounds[level] = allowed[:count]
@@ -212,13 +218,29 @@ def _smaller_bound(allowed: Array, estimate: Array | None) -> Array:
     return bound
 
 
-def _error_from_halvings(subject: Subject, runs: Mapping[Variant, CompletedRun]) -> Array | None:
-    """Bound (count,) on the error at the finest level from the change at the last halvings, in
-    units of the scales; None if unknown.
+def _estimate_of(name: str, estimates: Mapping[str, Array] | None) -> Array | None:
+    """The estimate (count,) for one quantity; for an attitude, which is compared as one rotation,
+    the largest of any quantity.
+    """
+    if estimates is None:
+        return None
+    if name in estimates:
+        return estimates[name]
+    largest: Array = np.maximum.reduce(list(estimates.values()))
+    return largest
+
+
+def _error_from_halvings(
+    subject: Subject, runs: Mapping[Variant, CompletedRun]
+) -> dict[str, Array] | None:
+    """Bound (count,) by quantity on the error at the finest level from the change at the last
+    halvings, in units of the scales; None if unknown.
 
     With an error e(h) = C h^p the run changes by (2^p - 1) e(h/2) from h to h/2. So e(h/2) is at
     most PREDICTION_FACTOR times that change over 2^p - 1, whatever C is. Where terms of the last
-    change cancel, 2^-p times the change before may be larger, and is taken.
+    change cancel, 2^-p times the change before may be larger, and is taken. In a smooth motion each
+    quantity has the bound that follows from its own changes, or from a part OWN_SHARE of the
+    largest of any quantity.
 
     Where kinks scatter C from step to step, an error is still part of the change to either side of
     it, but may be nearly the same at both steps: the division by 2^p - 1 is left out, the changes
@@ -249,26 +271,40 @@ def _error_from_halvings(subject: Subject, runs: Mapping[Variant, CompletedRun])
     if straddles:
         used = subject.levels
     observed = [instance.observe(runs[Variant(level)].trajectory) for level in used]
-    changes = [_changes(instance, a, b, count) for a, b in pairwise(observed)]
+    by_quantity = [_changes(instance, a, b, count) for a, b in pairwise(observed)]
+    changes = [np.maximum.reduce(list(change.values())) for change in by_quantity]
     fine = observed[-1]
     floor = subject.floor(subject.levels[-1])
     rounding = floor * subject.truth.growth()[:count]
     ratio = _ratio_of(subject, changes, rounding)
     if ratio is None:
         return None
-    # The largest of the last change and of what those before imply for it, so far.
-    implied = [change / ratio**k for k, change in enumerate(reversed(changes))]
-    change = np.maximum.accumulate(np.maximum.reduce(implied))
-    if method.control == "tolerance":
-        # A few steps with chosen orders say little, so the change of the whole run counts.
-        change = np.full(count, change[-1])
-    allowed: Array = _safety(subject, ratio, len(changes)) * change + rounding
+    beside = rounding
     if straddles:
-        allowed = allowed + straddled(subject, subject.levels[-1], fine, count)
+        beside = beside + straddled(subject, subject.levels[-1], fine, count)
     if method.control == "step" and not method.complete_state:
         times = instance.times[:count]
-        allowed = np.where(np.abs(times - times[0]) < MEMORY * used[0], np.inf, allowed)
-    return allowed
+        beside = np.where(np.abs(times - times[0]) < MEMORY * used[0], np.inf, beside)
+    safety = _safety(subject, ratio, len(changes))
+    implied = _implied_changes(subject, by_quantity, ratio)
+    return {name: safety * change + beside for name, change in implied.items()}
+
+
+def _implied_changes(
+    subject: Subject, changes: list[dict[str, Array]], ratio: float
+) -> dict[str, Array]:
+    """The change (count,) of every quantity at the last halving: the largest of the last one and of
+    what those before imply for it, so far.
+    """
+    own = {}
+    for name in changes[-1]:
+        implied = [change[name] / ratio**k for k, change in enumerate(reversed(changes))]
+        own[name] = np.maximum.accumulate(np.maximum.reduce(implied))
+    largest = np.maximum.reduce(list(own.values()))
+    if subject.method.control == "tolerance":
+        # A few steps with chosen orders say little, so the change of the whole run counts.
+        return {name: np.full_like(largest, largest[-1]) for name in own}
+    return {name: np.maximum(change, OWN_SHARE * largest) for name, change in own.items()}
 
 
 def _ratio_of(subject: Subject, changes: list[Array], rounding: Array) -> float | None:
@@ -334,15 +370,15 @@ def _cuts_steps(subject: Subject) -> bool:
 
 def _changes(
     instance: Instance, coarse: Mapping[str, Array], fine: Mapping[str, Array], count: int
-) -> Array:
-    """Largest difference (count,) of any quantity between two levels, in units of its scale."""
-    largest = np.zeros(count)
+) -> dict[str, Array]:
+    """Difference (count,) of every quantity between two levels, in units of its scale."""
+    changes = {}
     for name, quantity in instance.quantities.items():
         if name not in coarse or name not in fine:
             continue
         change = difference(fine[name][:count], coarse[name][:count], is_angle=quantity.angle)
-        largest = np.maximum(largest, np.abs(change) / quantity.scale)
-    return largest
+        changes[name] = np.abs(change) / quantity.scale
+    return changes
 
 
 def _signals(subject: Subject, truth: SampledTruth) -> dict[str, Array]:

@@ -14,6 +14,7 @@ from refdem.campaign.suspicion import distance, suspicion
 from refdem.core.engine import Engine, Method
 from refdem.core.trajectory import Cost, Trajectory
 from refdem.errors import EngineError, UnsupportedError
+from refdem.faults.change import of_bodies, of_elements, scaled
 from refdem.mechanics.quaternion import conjugate, product, rotated
 from refdem.scene import Scene
 from refdem.scene.elements.spring import Spring
@@ -380,6 +381,39 @@ LIES = {
         "bodies come in the other order",
     ),
 }
+
+
+def misread(change):
+    """The right motion of the scene that `change` makes of the one that was asked for."""
+
+    def lie(request, columns):
+        scene = change(request).problem.scene
+        wrong = honest(scene.to_json(), request.problem.interval, len(request.problem.times))
+        return {"t": columns["t"], **wrong}
+
+    return lie
+
+
+@pytest.mark.parametrize("factor", [0.99, 1.01])
+@pytest.mark.parametrize(
+    "change",
+    [
+        pytest.param(lambda by: of_bodies(mass=scaled(by)), id="mass"),
+        pytest.param(lambda by: of_bodies(inertia=lambda j: j * [by, 1, 1]), id="moment about x"),
+        pytest.param(lambda by: of_bodies(inertia=lambda j: j * [1, by, 1]), id="moment about y"),
+        pytest.param(lambda by: of_bodies(inertia=lambda j: j * [1, 1, by]), id="moment about z"),
+        pytest.param(lambda by: of_elements(UniformGravity, g=scaled(by)), id="gravity"),
+        pytest.param(lambda by: of_elements(Spring, stiffness=scaled(by)), id="stiffness"),
+        pytest.param(lambda by: of_elements(Spring, length=scaled(by)), id="length of a spring"),
+        pytest.param(lambda by: of_elements(Spring, anchor_a=scaled(by)), id="anchor"),
+    ],
+)
+def test_a_number_that_is_read_one_per_cent_wrong_shows_in_a_motion(change, factor):
+    """First samples are those of the scene that was asked for: no number of its state is wrong."""
+    findings = smoke(Plain(misread(change(factor))))
+    wrong = [f.quantity for f in findings if f.outcome == "fail"]
+    assert wrong
+    assert not any(quantity.endswith("first sample") for quantity in wrong)
 
 
 def mistakes():

@@ -4,6 +4,7 @@ tolerances.
 
 from dataclasses import replace
 
+import numpy as np
 import pytest
 
 from refdem.campaign.in_process import record_of, task_of, truth_of
@@ -101,3 +102,28 @@ def test_a_kink_of_higher_order_than_the_claim_does_not_widen_the_bound(by, outc
     task = task_of(engine, "semi-implicit-euler", instance, truth_of(instance), 4, ("error",))
     (found,) = (f for f in record_of(task).findings if f.quantity == "x")
     assert found.outcome == outcome
+
+
+def turned_too_fast(part):
+    """The component of omega along z is off by a part of the largest from the middle of a run."""
+
+    def after(request, run):
+        omega = run.omega.copy()
+        omega[len(omega) // 2 :, :, 2] += part * np.max(np.abs(omega))
+        return replace(run, omega=omega)
+
+    return Fault(name="fast", kind="", sentence="", on=(), sees=("error", "omega.z"), after=after)
+
+
+@pytest.mark.parametrize(("part", "outcome"), [(0.0, "pass"), (3e-5, "fail")])
+def test_a_quantity_is_held_to_its_own_changes_and_not_to_the_largest_of_all(part, outcome):
+    """Halvings change the attitude by more: its change would allow 6e-5 of the scale."""
+    engine = discovery.engine("reference")
+    instance = discovery.case("free-rigid-body").at()
+    carrier = turned_too_fast(part).carrier(engine)
+    record = record_of(
+        task_of(carrier, "splitting-free-body", instance, truth_of(instance), 4, ("error",))
+    )
+    outcomes = {finding.quantity: finding.outcome for finding in record.findings}
+    assert outcomes["omega.z"] == outcome
+    assert outcomes["attitude"] == "pass"
