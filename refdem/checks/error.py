@@ -39,6 +39,8 @@ OWN_SHARE = 0.1
 """Part of the largest change of any quantity at a halving that the change of a single quantity is
 taken for at least. A quantity whose own changes are smaller may owe them to terms that cancel.
 """
+NEARLY = 0.9
+"""Part of the largest share of a bound from which on a sample has nearly that share."""
 COURSE = 10.0
 """Bound, in scales, beyond which the motion may have changed its course; runs with different steps
 may then agree by chance.
@@ -123,7 +125,7 @@ class Error(Check):
         bounds: dict[float, Array],
     ) -> Finding:
         """The finding on one quantity: its error at the level where it is the largest share of its
-        bound.
+        bound, at the sample of `_decisive_sample`.
 
         `errors_by_level` and `bounds` hold arrays (count,) by level, up to each level's horizon;
         `signal` (until,) is how far the true quantity moves. All are in units of the quantity's
@@ -137,8 +139,7 @@ class Error(Check):
         allowed = bounds[worst_level]
         count = len(allowed)
         error = errors_by_level[worst_level][:count]
-        # The sample at which the error is the largest share of its bound.
-        point = int(np.argmax(error / allowed))
+        point = _decisive_sample(error, allowed)
         levels = [
             _level(subject, level, error, subject.bound(level), runs[Variant(level)].cost.seconds)
             for level, error in errors_by_level.items()
@@ -394,6 +395,22 @@ def _signals(subject: Subject, truth: SampledTruth) -> dict[str, Array]:
         else:
             signals[name] = np.zeros_like(movement)
     return signals
+
+
+def _decisive_sample(error: Array, allowed: Array) -> int:
+    """The sample of the largest error, among those where the error is NEARLY the largest share of
+    its bound.
+
+    A bound that follows from the error of another step has the same share at many samples, and
+    roundings would choose between them: a baseline needs the same one after every change. An error
+    beyond its bound is told where it is the largest share.
+    """
+    share = error / allowed
+    # NaN is beyond its bound: `not share <= 1`.
+    if not np.max(share) <= 1:
+        return int(np.argmax(share))
+    is_candidate = share >= NEARLY * np.max(share)
+    return int(np.argmax(np.where(is_candidate, error, -1.0)))
 
 
 def _decisive_level(
