@@ -152,7 +152,8 @@ class Attack:
 
     `states` and `answers` have, for each time, what displacements of SIZE are by then, a column for
     each start, in scales: in the coordinates of the state, and in all that is read. `counted_as` is
-    the instance that has the scales, if another has, `looks` the number of times after the start.
+    the instance that has the scales, if another has, `looks` the number of times after the start,
+    which are random if no `times` are given.
     """
 
     def __init__(
@@ -162,6 +163,7 @@ class Attack:
         rng: random.Random,
         counted_as: Instance | None = None,
         looks: int = LOOKS,
+        times: Sequence[Fraction] = (),
     ) -> None:
         self.case = case
         self.member = given.get("member", case)
@@ -171,7 +173,7 @@ class Attack:
         self.starts, moved = displaced_starts(self.instance, given, self.truth, rng)
         self.seen = self.as_seen(self.truth)
         self.moved = [self.as_seen(one) for one in moved]
-        self.times = times_of(self.instance, self.truth, rng, looks)
+        self.times = list(times) or times_of(self.instance, self.truth, rng, looks)
         self.bounds = [self.truth.sensitivity(t) for t in self.times]
         differences = [self.differences(t) for t in self.times]
         self.read = list(differences[0])

@@ -8,10 +8,12 @@ displaced.
 """
 
 import random
+from fractions import Fraction
 
 import pytest
 
-from tests.attack import BODIES, LOOKS, Attack
+from refdem.core import discovery
+from tests.attack import BODIES, LOOKS, MARGIN, MAX_OVERESTIMATE, Attack
 from tests.displaced import has_displaced_starts
 from tests.properties.test_started_again import STARTS, Again, random_again
 from tests.random_settings import NAMES, SETTINGS, first_accepted, settings, written
@@ -89,3 +91,31 @@ def test_a_tenth_of_the_s_of_a_cluster_cannot_be_spared():
     attack = Attack("rigid-cluster", written("rigid-cluster", {}), random.Random(1), looks=16)
     assert attack.violations() == []
     assert attack.violations(part=0.9)
+
+
+def test_s_after_a_stop_is_at_most_1_4_times_what_impulses_just_before_it_grow_to():
+    """A stop leaves one direction of the errors made before it: impulses made anew show the other
+    one, which grows to 338; of errors made at the start 97 are left.
+    """
+    given = written("stick-slip", {"a": "23.59", "lambda1": "0.02301", "gamma": "0"})
+    case = discovery.case("stick-slip")
+    first = case.at(**given)
+    truth = first.truth()
+    end = Fraction("6.196574")
+    struck = [end * part / 26 for part in (1, 20, 21)]
+    growths = []
+    for begin in struck:
+        state = truth.at(begin)
+        start = {"x0": rounded(state["x"].mid), "v0": rounded(state["v"].mid)}
+        rng = random.Random(1)
+        times = [Fraction(0), end - begin]
+        anew = Attack("stick-slip", {**given, **start}, rng, counted_as=first, times=times)
+        growths += anew.growths(1)
+    bound = truth.sensitivity(end)
+    assert max(growths) <= bound * (1 + MARGIN)
+    assert bound <= MAX_OVERESTIMATE * max(growths)
+
+
+def rounded(value: Fraction) -> str:
+    """The text of a number near `value` that a parameter may be."""
+    return str(round(value, 12))
