@@ -20,9 +20,11 @@ from refdem.core.case import Instance
 from refdem.core.truth import Ball, Truth
 from refdem.truth import rotation
 from refdem.truth.balls import arb_of, ball_of, precision
+from refdem.truth.closed_forms.rigid_cluster import RigidCluster
 from refdem.truth.collision import Collision
 from refdem.truth.validated_flow import ValidatedFlow
 from tests.displaced import DROPPED, SIZE, Amounts, displaced_starts, everything
+from tests.seen_clusters import SeenCluster
 from tests.two_truths import asked_at
 
 MARGIN = 1e-6
@@ -36,14 +38,16 @@ LOOKS = int(os.environ.get("REFDEM_RANDOM_LOOKS", "4"))
 """Times at which motions are compared, after the start: 16 find growths that are nearly the
 largest.
 """
+MAX_OVERESTIMATE = 1.4
+"""A sharp S is at most so many times the largest growth that is found."""
 BITS = 400
 ASCENTS = 30
 """Rounds of the search for the impulse that grows most in a norm of several parts."""
 TURN = ("turn.x", "turn.y", "turn.z")
 ATTITUDE = ("attitude.w", "attitude.x", "attitude.y", "attitude.z")
-BODIES = ("free-rigid-body", "intermediate-axis", "neglected-gyroscopic")
+BODIES = ("free-rigid-body", "intermediate-axis", "neglected-gyroscopic", "rigid-cluster")
 """Cases in whose norm the turn and the angular velocity are one part each."""
-HIDDEN_STATE = ("pendulum-equilibria", "rigid-cluster", "contact-path-turned")
+HIDDEN_STATE = ("pendulum-equilibria", "contact-path-turned")
 """Cases, and members, whose quantities do not say their state, or say it along other axes: impulses
 are made at the start alone, where they are known.
 """
@@ -129,8 +133,8 @@ def turn(attitude: Sequence[Fraction], moved: Sequence[Fraction]) -> list[Fracti
         return [ball_of(2 * x * w.sgn()).mid for x in vector]
 
 
-def times_of(instance: Instance, truth: Truth, rng: random.Random) -> list[Fraction]:
-    """The start, and random times after it."""
+def times_of(instance: Instance, truth: Truth, rng: random.Random, looks: int) -> list[Fraction]:
+    """The start, and so many random times after it."""
     asked = asked_at(instance, truth)
     if instance.problem.kind == "iteration" and not isinstance(truth, ValidatedFlow):
         return [Fraction(n) for n in range(int(asked[-1]) + 1)]
@@ -139,7 +143,7 @@ def times_of(instance: Instance, truth: Truth, rng: random.Random) -> list[Fract
     else:
         last = Fraction(instance.times[-1])
     return [Fraction(0)] + [
-        last * Fraction(1000 * k + rng.randint(1, 999), 1000 * LOOKS) for k in range(LOOKS)
+        last * Fraction(1000 * k + rng.randint(1, 999), 1000 * looks) for k in range(looks)
     ]
 
 
@@ -148,7 +152,8 @@ class Attack:
 
     `states` and `answers` have, for each time, what displacements of SIZE are by then, a column for
     each start, in scales: in the coordinates of the state, and in all that is read. `counted_as` is
-    the instance that has the scales, if another has.
+    the instance that has the scales, if another has, `looks` the number of times after the start,
+    which are random if no `times` are given.
     """
 
     def __init__(
@@ -157,14 +162,18 @@ class Attack:
         given: Mapping[str, str],
         rng: random.Random,
         counted_as: Instance | None = None,
+        looks: int = LOOKS,
+        times: Sequence[Fraction] = (),
     ) -> None:
         self.case = case
         self.member = given.get("member", case)
         self.instance = discovery.case(case).at(**given)
         self.counted_as = counted_as or self.instance
         self.truth: Any = everything(self.instance.truth())
-        self.starts, self.moved = displaced_starts(self.instance, given, self.truth, rng)
-        self.times = times_of(self.instance, self.truth, rng)
+        self.starts, moved = displaced_starts(self.instance, given, self.truth, rng)
+        self.seen = self.as_seen(self.truth)
+        self.moved = [self.as_seen(one) for one in moved]
+        self.times = list(times) or times_of(self.instance, self.truth, rng, looks)
         self.bounds = [self.truth.sensitivity(t) for t in self.times]
         differences = [self.differences(t) for t in self.times]
         self.read = list(differences[0])
@@ -178,6 +187,12 @@ class Attack:
             places = [self.read.index(name) for name in self.state]
             self.states = [answer[places] for answer in self.answers]
             self.made_at = [k for k, t in enumerate(self.times) if self.is_known_at(t)]
+
+    def as_seen(self, truth: Any) -> Any:
+        """The motion in the coordinates of the norm: of a cluster, whose truth has places."""
+        if isinstance(truth, RigidCluster):
+            return SeenCluster(truth, self.truth)
+        return truth
 
     def is_known_at(self, t: Fraction) -> bool:
         """True where the quantities are the whole state: no spring that they do not say is
@@ -202,14 +217,14 @@ class Attack:
     def scale(self, name: str) -> Fraction:
         """The scale in which a coordinate counts."""
         if name.startswith("turn."):
-            return Fraction(self.counted_as.quantities["attitude.w"].scale)
+            name = "attitude.w"
         if name in self.counted_as.quantities:
             return Fraction(self.counted_as.quantities[name].scale)
         return Fraction(self.truth.scale[name])
 
     def differences(self, t: Fraction) -> dict[str, list[Fraction]]:
         """What each displacement is at t, by coordinates, in scales and parts of SIZE."""
-        base = self.truth.at(t)
+        base = self.seen.at(t)
         found: dict[str, list[Fraction]] = {}
         for moved in self.moved:
             changes = self.changes(base, moved.at(t))
@@ -281,5 +296,18 @@ class Attack:
                 found.append(
                     f"{self.instance.label}: at t = {self.times[end]} an impulse has grown by"
                     f" {growth:.9g}, S is {bound:.9g}"
+                )
+        return found
+
+    def overestimates(self) -> list[str]:
+        """Bounds S that are more than MAX_OVERESTIMATE times the largest growth that is found."""
+        found = []
+        for end in range(1, len(self.times)):
+            bound = self.bounds[end]
+            growth = max(self.growths(end))
+            if bound > MAX_OVERESTIMATE * growth:
+                found.append(
+                    f"{self.instance.label}: at t = {self.times[end]} S is {bound:.9g}, the largest"
+                    f" growth that is found {growth:.9g}"
                 )
         return found

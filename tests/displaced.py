@@ -13,8 +13,10 @@ from typing import Any
 from refdem.core import discovery
 from refdem.core.case import Instance
 from refdem.core.truth import Ball
+from refdem.truth.closed_forms.rigid_cluster import RigidCluster
 from refdem.truth.collision import Collision
 from refdem.truth.from_rest import FromRest
+from tests.seen_clusters import displaced_cluster
 from tests.touching import touching_starts
 
 DIGITS = 40
@@ -165,6 +167,13 @@ def dropped_starts(instance: Instance, given: Mapping[str, str], truth: Any) -> 
     return [everything(instance.case.at(**higher).truth()), Later(truth, delay)]
 
 
+def clusters(truth: RigidCluster, starts: Sequence[Amounts]) -> list[Any]:
+    """Truths of clusters that are turned and spin faster at the start, for three numbers each."""
+    return [
+        everything(displaced_cluster(truth, [SIZE * part for part in start])) for start in starts
+    ]
+
+
 def displaced_starts(
     instance: Instance, given: Mapping[str, str], truth: Any, rng: random.Random
 ) -> tuple[list[Amounts], list[Any]]:
@@ -179,6 +188,9 @@ def displaced_starts(
     if given.get("member") in DROPPED:
         moved = dropped_starts(instance, given, truth)
         return along_axes(len(moved)), moved
+    if isinstance(truth, RigidCluster):
+        starts = combinations(rng, 6)
+        return starts, clusters(truth, starts)
     if is_displaced_itself(case, truth):
         starts = combinations(rng, len(truth.state))
         return starts, by_coordinates(truth, starts)

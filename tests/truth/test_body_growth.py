@@ -17,7 +17,6 @@ from refdem.core import discovery
 from refdem.truth import near, rotation
 from refdem.truth.balls import arb_of, precision
 from refdem.truth.body_growth import Tumbling, rotating
-from refdem.truth.closed_form import ClosedForm
 from refdem.truth.closed_forms.free_rigid_body import FreeRigidBody
 from refdem.truth.closed_forms.rigid_cluster import RigidCluster
 from refdem.truth.near import exact as exact_doubles
@@ -49,7 +48,7 @@ class Numbers:
     its attitude at one.
     """
 
-    truth: FreeRigidBody
+    truth: FreeRigidBody | RigidCluster
     tensor: Array
     turn: float
     spin: float
@@ -141,21 +140,13 @@ def steps_of(numbers: Numbers, end: float) -> tuple[Array, Array]:
 
 def assert_sharp(numbers: Numbers, t: Fraction, growth: float) -> None:
     """S is not below the largest growth, and not above MAX_OVERESTIMATE times it."""
-    bound = inner(numbers.truth, t)
+    bound = numbers.truth.sensitivity(t)
     assert growth <= bound * (1 + MARGIN), (
         f"t = {float(t)}: an impulse grows by {growth}, S is {bound}"
     )
     assert bound <= MAX_OVERESTIMATE * growth, (
         f"t = {float(t)}: S is {bound}, the largest growth {growth}"
     )
-
-
-def inner(truth: ClosedForm, t: Fraction) -> float:
-    """S of the body itself: that of a cluster has factors for its points."""
-    if not isinstance(truth, RigidCluster):
-        return truth.sensitivity(t)
-    with precision(256):
-        return truth.growth().first.at(t)
 
 
 FOLLOWED = [

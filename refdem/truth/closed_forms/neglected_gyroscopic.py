@@ -15,7 +15,7 @@ from flint import arb
 
 from refdem.core.parameters import Parameters
 from refdem.core.truth import Ball, Truth
-from refdem.truth.balls import Guarded, arb_of
+from refdem.truth.balls import Guarded, arb_of, precision
 from refdem.truth.closed_forms.free_rigid_body import (
     ATTITUDE,
     BODY_OMEGA,
@@ -27,6 +27,7 @@ from refdem.truth.closed_forms.free_rigid_body import (
 from refdem.truth.events.system import Entry, TracedModes
 from refdem.truth.events.truth import HybridFlow
 from refdem.truth.exact import number, numbers, vector
+from refdem.truth.growth import CLOSED_BITS, Told
 from refdem.truth.refiner import Size
 from refdem.truth.rotation import rotated, times, upright
 from refdem.truth.tumbling_contact import BodyState, Modes, Slope, lean_rates, rotation
@@ -43,7 +44,8 @@ class Flight(Guarded, Truth):
     def __init__(self, body: FreeRigidBody, velocity: Sequence[Fraction], length: Size) -> None:
         self.body = body
         self.velocity = tuple(velocity)
-        self.length = float(length)
+        self.length = Fraction(length)
+        self.drift = Told(self.place_growth)
         self.method = body.method
         self.witness = body.witness
 
@@ -53,12 +55,17 @@ class Flight(Guarded, Truth):
         }
         return self.body.at(t) | places
 
-    def drift(self, t: Fraction) -> float:
-        """S of the position: an error of L in it, and one of |v| in the velocity, after t [s]."""
-        return 1.0 + float(t) * sum(abs(float(v)) for v in self.velocity) / self.length
+    def place_growth(self, t: arb) -> arb:
+        """S of the place, 1 + t |v|/L: an error of L in it and one of |v| in the velocity, along
+        each other and measured by Euclid.
+        """
+        square_of_speed = sum((v * v for v in self.velocity), Fraction(0))
+        return 1 + t * arb_of(square_of_speed).sqrt() / arb_of(self.length)
 
     def sensitivity(self, t: Fraction) -> float:
-        return max(self.body.sensitivity(t), self.drift(t))
+        with precision(CLOSED_BITS[0]):
+            of_place = self.drift.at(t)
+        return max(self.body.sensitivity(t), of_place)
 
     def scalars(self) -> Mapping[str, Ball]:
         return self.body.scalars()

@@ -39,7 +39,7 @@ from refdem.truth.free_body import (
     length_of,
     steady_lead,
 )
-from refdem.truth.growth import CLOSED_BITS, Grows, Times
+from refdem.truth.growth import CLOSED_BITS, Grows
 from refdem.truth.refiner import FIRST_BITS, Refiner, Sensitivity, Size
 from refdem.truth.vectors import cross
 
@@ -108,9 +108,14 @@ class RigidCluster(ClosedForm, Turning):
     `masses` [kg], `places` (positions [m]) and `omega` [rad/s, space axes] at the start are exact.
     `shift` [rad/s] is added to omega in principal axes: a displaced cluster has one that is not 0.
 
-    S is that of the body, times 1 + J3/J1: a turn moves a point by at most the size L of the
-    cluster; the same change of a velocity changes omega by up to J3/J1 as much about one axis as
-    about another; and once more for the centre of mass, which drifts no faster than a turn.
+    S is that of the free body (body_growth.py), in its norm at both ends: the largest Euclidean
+    length of the turn [1 rad], of omega [|omega| of the start] in body axes and in space, and of
+    the place [L] and velocity [L |omega|] of the centre of mass, L the distance of the farthest
+    point from it. A turn of one scale moves no point by more than L.
+
+    The centre of mass needs no part of its own. What is left of its error after tau is at most
+    1 + tau |omega| times what it was, and the turn psi = m with the change d = |omega| m of omega
+    grows as much: psi . m gains d . m a second (the theorem on errors there).
     """
 
     witness = WITNESS
@@ -291,18 +296,16 @@ class RigidCluster(ClosedForm, Turning):
 
     @per_precision
     def growth(self) -> Grows:
-        """How errors grow: as those of the free body, times 1 + J3/J1 (see the class)."""
+        """How errors grow: as those of the free body (see the class)."""
         moments = [moment for moment, _ in self.moments()]
         turn = self.scale["attitude.w"]
         spin = self.scale["omega.x"]
         if self.is_steady:
-            body = steady_growth(self.tensor, self.omega, turn, spin, self.in_own_axes)
-        elif len(moments) < 3:
+            return steady_growth(self.tensor, self.omega, turn, spin, self.in_own_axes)
+        if len(moments) < 3:
             tensor = [[arb_of(x) for x in row] for row in self.tensor]
-            body = tumbling_growth(tensor, self.body(), turn, spin, self.in_own_axes)
-        else:
-            body = tumbling_growth(diagonal(moments), self.body(), turn, spin, self.turned)
-        return Times(body, 1 + moments[-1] / moments[0])
+            return tumbling_growth(tensor, self.body(), turn, spin, self.in_own_axes)
+        return tumbling_growth(diagonal(moments), self.body(), turn, spin, self.turned)
 
     def in_own_axes(self, t: arb) -> list[arb]:
         """The turn since the start, in the axes of space in which the places are given."""

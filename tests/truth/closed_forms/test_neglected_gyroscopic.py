@@ -127,3 +127,15 @@ def test_in_flight_the_centre_moves_uniformly_and_the_body_as_a_free_one():
     assert max(abs(balls[name].mid - body[name].mid) for name in body) < Fraction(1, 10**30)
     assert truth.sensitivity(t) > 1 + 0.6 * 2
     assert set(truth.scalars()) == set(free.scalars())
+
+
+def test_s_of_a_place_in_flight_is_what_errors_of_place_and_velocity_grow_to():
+    """Errors of one scale, along each other: the sum of components was 5/3 as much."""
+    instance = CASE.at(velocity="10,-20,20")
+    truth = instance.truth()
+    length = instance.quantities["x"].scale
+    for t in (Fraction(1, 100), Fraction(3, 5)):
+        # |v| = 30 m/s.
+        growth = 1 + float(t) * 30 / length
+        assert growth > truth.body.sensitivity(t)
+        assert growth * (1 - 1e-12) <= truth.sensitivity(t) <= growth * (1 + 1e-9)
