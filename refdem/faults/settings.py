@@ -202,6 +202,17 @@ LOPSIDED_DOWN: Rows = (
     ("eps", computed(lambda drawn: -drawn["_down"])),
 )
 """The same, with a square of negative factor."""
+MIXING: Rows = (
+    ("eps", signed(0.125, 0.25)),
+    ("delta", "1/4"),
+    ("f0", listed(between(0.1875, 0.3125), between(0.1875, 0.3125))),
+    ("drive", "1/2,4/5"),
+    ("x0", signed(0.125, 0.25)),
+    *lasting("32", "64"),
+)
+"""A damped spring with a square under two drives, for so long that their sums and differences are
+told apart.
+"""
 STEEP: Rows = (
     ("mass", between(0.5, 2)),
     ("stiffness", between(0.5, 2)),
@@ -543,6 +554,7 @@ SETTINGS: Mapping[str, Setting] = {
     "hardening": Setting("duffing", HARDENING, SMOOTH),
     "lopsided": Setting("quadratic-response", LOPSIDED, SMOOTH),
     "lopsided-down": Setting("quadratic-response", LOPSIDED_DOWN, SMOOTH),
+    "mixing": Setting("quadratic-response", MIXING, DAMPED),
     "far": Setting("harmonic-oscillator", FAR, SMOOTH),
     "along-wall": Setting("impact-benchmarks", ALONG_WALL, TOUCHING),
     "steep": Setting("power-oscillator", STEEP, ("euler", "verlet", "verlet-single")),

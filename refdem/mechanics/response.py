@@ -117,3 +117,25 @@ def hysteresis(
     if not len(bistable):
         return None
     return float(bistable[0]), float(bistable[-1])
+
+
+def linear_line(force: float, frequency: float, square: float, delta: float) -> complex:
+    """Complex amplitude A = f/D(w) of the steady motion Re(A exp(i w t)) under f cos(w t), with
+    D(w) = w0^2 - w^2 + 2 i delta w; `square` is w0^2. Its modulus is (1.105).
+    """
+    return force / complex(square - frequency**2, 2 * delta * frequency)
+
+
+def mixed_line(
+    a: complex, b: complex, frequency: float, square: float, delta: float, eps: float
+) -> complex:
+    """Complex amplitude -eps a b/D(w) of the line that a spring's square, -eps x^2, makes of two
+    lines a, b, at the sum of their frequencies w = `frequency` [rad/s]; half of it if a line is
+    mixed with itself.
+
+    2 Re(a exp(i u t)) Re(b exp(i v t)) = Re(a b exp(i (u + v) t)) + Re(a b* exp(i (u - v) t)): for
+    the line at the difference b is conjugated, and each drive adds half of that at its own
+    difference, 0, to the shift (1.123). To first order in eps. The lines are odd in eps, for x ->
+    -x is a symmetry with -eps and -f: what is left out is smaller by eps^2.
+    """
+    return -linear_line(eps, frequency, square, delta) * a * b

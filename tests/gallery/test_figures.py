@@ -260,3 +260,15 @@ def test_a_finer_outline_keeps_its_corners_and_cuts_where_told():
         [0.25, 1],
         [0, 1],
     ]
+
+
+def test_the_return_map_of_the_belt_fills_intervals_and_that_of_the_logistic_map_is_a_fractal():
+    belt = figure("1.31").numbers
+    assert belt["box dimension at eta = 1.22"] == 1.0
+    assert belt["box dimension there (1: no fractal)"] == 1.0
+    exponent = belt["exponent at eta = 1.22, gamma = 2, linear law [1/s]"]
+    assert exponent > 100 * belt["its standard error [1/s]"]
+    logistic = figure("1.32").numbers
+    value = next(number for what, number in logistic.items() if "3.5699" in what)
+    assert abs(value - 0.538045) < 3 * logistic["its standard error"] < 0.05
+    assert logistic["box dimension at eta = 4"] == 1.0

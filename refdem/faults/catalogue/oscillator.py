@@ -39,6 +39,14 @@ def _restarted(request: Request) -> Request:
     return request.with_scene(Scene(scene.bodies, tuple(elements)))
 
 
+def _last_force(request: Request) -> Request:
+    """The request with the last of its forces alone, as from a table with one entry a body."""
+    scene = request.problem.scene
+    dropped = scene.all(Force)[:-1]
+    kept = tuple(element for element in scene.elements if element not in dropped)
+    return request.with_scene(Scene(scene.bodies, kept))
+
+
 def _odd_square(sound: Parts) -> dict[str, Any]:
     """The square of the stretch acts with the sign of the stretch: where the spring is shorter than
     its natural length the other way.
@@ -152,6 +160,35 @@ FAULTS = (
         sentence="The factor of the square is taken for its size.",
         on=("lopsided-down",),
         before=of_elements(Spring, quadratic=abs),
+    ),
+    oscillator(
+        name="square-sign",
+        sentence="The square of the stretch acts the other way.",
+        on=("mixing",),
+        sees=("spectrum", "shift"),
+        before=of_elements(Spring, quadratic=scaled(-1.0)),
+    ),
+    oscillator(
+        name="square-twice",
+        sentence="The square of the stretch acts twice as strongly, as do the lines it makes.",
+        on=("mixing",),
+        sees=("spectrum", "2w1"),
+        before=of_elements(Spring, quadratic=scaled(2.0)),
+    ),
+    oscillator(
+        name="square-one-percent",
+        sentence="The square of the stretch is 1 % too strong.",
+        on=("mixing",),
+        levels=5,
+        sees=("spectrum", "w2-w1"),
+        before=of_elements(Spring, quadratic=scaled(1.01)),
+    ),
+    oscillator(
+        name="drives-overwritten",
+        sentence="Of two forces on one body the last one alone acts.",
+        on=("mixing",),
+        sees=("spectrum", "w1+w2"),
+        before=_last_force,
     ),
     oscillator(
         name="drive-without-phase",

@@ -6,11 +6,14 @@ import numpy as np
 
 from refdem.core.figure import GREY, Axis, Figure, Panel, Series
 from refdem.gallery.iterates import late, remember_run
+from refdem.mechanics.dimension import box_dimension
 
 WINDOWS = (((2.8, 4.0), (0.0, 1.0)), ((3.44, 3.63), (0.32, 0.62)), ((3.54, 3.5875), (0.455, 0.555)))
 """eta and x of the whole, of the middle branch from its second doubling on, and of the middle
 branch of that.
 """
+ACCUMULATION = 3.569945671870945
+"""eta at which the period has doubled without end (Feigenbaum 1978)."""
 COLUMNS = 380
 """Values of eta across the picture: one for each of its pixels, about."""
 
@@ -39,9 +42,15 @@ def figure() -> Figure:
         " that is framed: the same forks, upside down every time, 4.67 times narrower."
     )
     chaotic = late(4.0, chunks=8)
+    # The end of the doublings, where the map is a fractal, and a place where it fills [0, 1].
+    dimension, error = box_dimension(late(ACCUMULATION, chunks=256), 4, 14)
+    filled, _ = box_dimension(late(4.0, chunks=256), 2, 8)
     numbers = {
         "least of 1032 iterates at eta = 4": float(chaotic.min()),
         "greatest": float(chaotic.max()),
+        "box dimension at eta = 3.569945671870945 (a fractal; Grassberger 1981: 0.538)": dimension,
+        "its standard error": error,
+        "box dimension at eta = 4": filled,
     }
     return Figure(
         id="1.32",

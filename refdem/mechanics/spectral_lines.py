@@ -1,0 +1,122 @@
+"""Lines of a sampled motion at known frequencies, by least squares: a linear map of the samples.
+
+    x(t_j)  =  sum over lines of Re(c_k exp(i w_k t_j))  +  free motion  +  residual
+
+The free motion of a damped oscillator, x'' + 2 delta x' + w0^2 x = 0, is fitted along with the
+lines, so that a line is that of the forced motion. Two motions that are fitted at the same times
+differ by the same map of their difference: c_k(x) - c_k(y) = c_k(x - y), whatever the residual is.
+"""
+
+from collections.abc import Sequence
+from itertools import product
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+Complex = NDArray[np.complex128]
+
+SAME = 1e-9
+"""Relative distance below which two frequencies are one line."""
+REPRODUCED = 1e-6
+"""Largest error with which a map gives back lines that are told apart."""
+
+
+class Line(NamedTuple):
+    """A line by its name, such as `w1+w2`, and its frequency [rad/s], 0 or more."""
+
+    name: str
+    frequency: float
+
+
+def mixed_lines(drives: Sequence[float], order: int, *, odd: bool = False) -> tuple[Line, ...]:
+    """The lines of a polynomial of the given order in cosines of the `drives` [rad/s]: the shift,
+    and sums and differences of at most `order` drives.
+
+    (A cos w1 t + B cos w2 t)^2 has lines at 0, 2 w1, 2 w2, w1 + w2 and |w1 - w2| (1.123). A
+    polynomial of `odd` powers has those of an odd number of drives. The shift is always among them,
+    as a line that may be 0; of two lines at one frequency the simpler is kept.
+    """
+    counts = [
+        given
+        for given in product(range(-order, order + 1), repeat=len(drives))
+        if 0 < sum(map(abs, given)) <= order and not (odd and sum(given) % 2 == 0)
+    ]
+    # Fewer drives first, and of those positive ones before negative ones.
+    counts.sort(key=lambda given: (sum(map(abs, given)), [-n for n in given]))
+    lines = [Line("shift", 0.0)]
+    for given in counts:
+        frequency = float(sum(n * w for n, w in zip(given, drives, strict=True)))
+        is_new = all(
+            abs(frequency - line.frequency) > SAME * max(*drives, frequency) for line in lines
+        )
+        if frequency > 0 and is_new:
+            lines.append(Line(_name(given), frequency))
+    return tuple(lines)
+
+
+def _name(given: Sequence[int]) -> str:
+    """The name of a sum of drives, each so many times: `w1+w2`, `2w2-w1`, or `2w` of one drive."""
+    names = ["w"]
+    if len(given) > 1:
+        names = [f"w{number}" for number in range(1, len(given) + 1)]
+    terms = [(n, name) for n, name in zip(given, names, strict=True) if n]
+    # What is added stands before what is taken off.
+    terms.sort(key=lambda term: term[0] < 0)
+    text = ""
+    for n, name in terms:
+        sign = "-" if n < 0 else "+"
+        factor = "" if abs(n) == 1 else str(abs(n))
+        text += f"{sign}{factor}{name}"
+    return text.removeprefix("+")
+
+
+def free_motions(t: Array, square: float, delta: float) -> Array:
+    """Two independent motions (2, T) of x'' + 2 delta x' + w0^2 x = 0 at t (T,) [s], `square` being
+    w0^2; the larger of them is of size 1.
+    """
+    since = t - t[0]
+    discriminant = delta**2 - square
+    if discriminant < 0:
+        decay = np.exp(-delta * since)
+        phase = np.sqrt(-discriminant) * since
+        return np.stack([decay * np.cos(phase), decay * np.sin(phase)])
+    # Both roots are real: -delta +- sqrt(delta^2 - w0^2), or -delta twice.
+    gap = float(np.sqrt(discriminant))
+    if gap == 0:
+        decay = np.exp(-delta * since)
+        return np.stack([decay, delta * since * decay])
+    return np.stack([np.exp((gap - delta) * since), np.exp(-(gap + delta) * since)])
+
+
+def line_map(t: Array, lines: Sequence[Line], others: Array) -> Complex | None:
+    """The rows (K, T) that give the complex amplitudes c = a - i b of the `lines` of a signal (T,)
+    at t (T,) [s], with a cos(w t) + b sin(w t); `others` (M, T) are fitted along.
+
+    None where the samples do not tell the lines apart from each other and from the others.
+    """
+    columns = []
+    for _, w in lines:
+        columns.append(np.cos(w * t))
+        if w > 0:
+            columns.append(np.sin(w * t))
+    fitted = np.concatenate([np.array(columns), others])
+    count = len(columns)
+    if len(t) < len(fitted):
+        return None
+    rows = np.linalg.pinv(fitted.T)[:count]
+    # A signal that is one of the columns must come out as that column and no other.
+    given_back = rows @ fitted.T
+    if np.max(np.abs(given_back - np.eye(count, len(fitted)))) > REPRODUCED:
+        return None
+    complex_rows = []
+    at = 0
+    for _, w in lines:
+        if w > 0:
+            complex_rows.append(rows[at] - 1j * rows[at + 1])
+            at += 2
+        else:
+            complex_rows.append(rows[at].astype(np.complex128))
+            at += 1
+    return np.array(complex_rows)

@@ -1,0 +1,92 @@
+"""Lines of the linear response, and those that a square makes of them, by certified motions."""
+
+import numpy as np
+import pytest
+
+from refdem.core import discovery
+from refdem.mechanics.response import linear_amplitude, linear_line, mixed_line
+from refdem.mechanics.spectral_lines import line_map, mixed_lines
+from refdem.truth.sampled import sampled
+
+DELTA = 0.25
+DRIVES = (0.5, 0.8)
+"""No line of three drives, as 2 w1 - w2, is at one of two."""
+FORCE = 0.125
+DURATION = "251.327412287183"
+"""Four common periods 2 pi/0.1: lines of higher order are orthogonal to those that are fitted."""
+GIVEN = {"delta": "1/4", "f0": "1/8,1/8", "drive": "1/2,4/5", "x0": "0", "duration": DURATION}
+
+
+def certified_lines(eps: str) -> dict[str, complex]:
+    """The lines of the last half of the certified motion, when its start is forgotten."""
+    instance = discovery.case("quadratic-response").at(eps=eps, samples="256", **GIVEN)
+    truth = sampled(instance.truth(), instance.times.tolist())
+    settled = slice(128, 256)
+    lines = mixed_lines(DRIVES, 2)
+    nothing_else = np.empty((0, 128))
+    rows = line_map(instance.times[settled], lines, nothing_else)
+    assert rows is not None
+    amplitudes = rows @ truth.value("x")[settled]
+    return dict(zip([line.name for line in lines], amplitudes.tolist(), strict=True))
+
+
+def predicted_lines(eps: float) -> dict[str, complex]:
+    """The same to first order in eps (1.123)."""
+    a1, a2 = (linear_line(FORCE, w, 1.0, DELTA) for w in DRIVES)
+    w1, w2 = DRIVES
+
+    def mixed(a: complex, b: complex, frequency: float) -> complex:
+        return mixed_line(a, b, frequency, 1.0, DELTA, eps)
+
+    return {
+        "shift": (mixed(a1, a1.conjugate(), 0.0) + mixed(a2, a2.conjugate(), 0.0)) / 2,
+        "2w1": mixed(a1, a1, 2 * w1) / 2,
+        "2w2": mixed(a2, a2, 2 * w2) / 2,
+        "w1+w2": mixed(a1, a2, w1 + w2),
+        "w2-w1": mixed(a2, a1.conjugate(), w2 - w1),
+    }
+
+
+def test_the_modulus_of_a_linear_line_is_the_steady_amplitude() -> None:
+    amplitude = linear_amplitude(np.array([0.8]), 1.0, DELTA, FORCE)[0]
+    assert abs(linear_line(FORCE, 0.8, 1.0, DELTA)) == pytest.approx(amplitude, rel=1e-15)
+
+
+def test_the_shift_is_minus_eps_times_the_mean_square_over_the_stiffness() -> None:
+    a1, a2 = (linear_amplitude(np.array([w]), 1.0, DELTA, FORCE)[0] for w in DRIVES)
+    expected = -0.125 * (a1**2 + a2**2) / 2
+    assert predicted_lines(0.125)["shift"] == pytest.approx(expected, rel=1e-14)
+
+
+def test_lines_of_certified_motions_are_those_of_first_order_up_to_the_square_of_eps() -> None:
+    """Halving eps quarters the relative difference, in amplitude and phase together; where it is
+    small, the next term, eps^4, is, too.
+    """
+    of_large = certified_lines("1/16")
+    of_small = certified_lines("1/32")
+    for name, expected in predicted_lines(1 / 32).items():
+        small = abs(of_small[name] / expected - 1)
+        large = abs(of_large[name] / (2 * expected) - 1)
+        assert small < 0.01
+        assert large / small == pytest.approx(4.0, abs=0.1)
+
+
+def test_lines_at_the_drives_are_linear_up_to_the_square_of_eps() -> None:
+    of_large = certified_lines("1/16")
+    of_small = certified_lines("1/32")
+    for name, w in zip(("w1", "w2"), DRIVES, strict=True):
+        expected = linear_line(FORCE, w, 1.0, DELTA)
+        small = abs(of_small[name] / expected - 1)
+        large = abs(of_large[name] / expected - 1)
+        assert small < 0.01
+        assert large / small == pytest.approx(4.0, abs=0.1)
+
+
+def test_lines_of_a_square_change_sign_with_it() -> None:
+    """Lines of an even number of drives are odd in eps, those of an odd number even."""
+    plus = certified_lines("1/16")
+    minus = certified_lines("-1/16")
+    for name in ("shift", "2w1", "2w2", "w1+w2", "w2-w1"):
+        assert minus[name] == pytest.approx(-plus[name], rel=1e-7)
+    for name in ("w1", "w2"):
+        assert minus[name] == pytest.approx(plus[name], rel=1e-7)
