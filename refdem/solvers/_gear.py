@@ -1,8 +1,8 @@
 """Gear's predictor-corrector (kernels/gear.h): its coefficients, and the methods of orders 4 to 6
 that share them.
 
-A state of p + 1 rows h^i x^(i)/i! gives order p for x'' = f(x, x'): velocities p, and places too,
-but for the leading term, which is smaller or absent where f does not depend on x'. Coefficients:
+A state of p + 1 rows h^i x^(i)/i! gives order p for x'' = f(x, x'), in velocities and places. Where
+f does not depend on x', places are better by up to an order. Coefficients:
 Gear 1971; Allen and Tildesley, Computer Simulation of Liquids, appendix E.
 """
 

@@ -15,6 +15,7 @@ from refdem.core.refinement import levels
 from refdem.core.variant import Variant
 from refdem.engines.reference import ENGINE
 from refdem.mechanics.energy import kinetic
+from refdem.mechanics.quaternion import angle_between
 from refdem.scene import Body, Scene
 from refdem.scene.elements.spring import Spring
 from refdem.scene.elements.uniform_gravity import UniformGravity
@@ -165,6 +166,26 @@ def test_energy_of_a_body_drifts_and_less_at_higher_order(solved):
         off.append(drift[10])
     # Measured: 1.0e-4, 5.5e-5 and 7.4e-7.
     assert off[0] > off[1] > 25.0 * off[2] > 0.0
+
+
+def test_errors_of_a_body_keep_their_bound_while_the_quaternion_changes_its_length(solved):
+    """Over 128 tau, at most 0.5 (1 + t/tau) (h/tau)^4 S; 2 and more if the scalar part of 2 q^-1 q'
+    is left out, so that the drift of the length slows omega.
+    """
+    instance = discovery.case("free-rigid-body").at()
+    tau = instance.scales.tau
+    times = np.linspace(0.0, 128.0 * tau, 17)
+    step = times[1] / 256
+    truth = instance.case.truth(instance.p)
+    seen = solved(instance.scene, times, "gear-4-free-body", step)
+    exact = solved(instance.scene, times, "exact-free-body")
+    growth = [max(1.0, float(truth.sensitivity(Fraction(t)))) for t in times.tolist()]
+    allowed = (1 + times / tau) * (step / tau) ** 4 * np.maximum.accumulate(growth)
+    off = (
+        np.linalg.norm(seen.omega - exact.omega, axis=-1)[:, 0] * tau
+        + angle_between(seen.attitude, exact.attitude)[:, 0]
+    )
+    assert (off / allowed).max() < 0.5
 
 
 def findings_of_order(case: str, method: str):
