@@ -128,6 +128,13 @@ int refdem_rigid_body_rk4(const double *inertia, const double *attitude, const d
                           double h, int64_t samples, int64_t stride, double *out_attitude,
                           double *out_omega);
 
+/* The same by Gear's predictor-corrector on the quaternion's own equation of second order, with
+ * `values` rows of Nordsieck's (5 to 7) and the coefficients `corrector` (values) of gear.h; three
+ * moments above 0. */
+int refdem_rigid_body_gear(const double *inertia, const double *attitude, const double *omega,
+                           int values, const double *corrector, double h, int64_t samples,
+                           int64_t stride, double *out_attitude, double *out_omega);
+
 /* == pendulum == */
 
 /* A point on a rod of `length` [m] from `anchor` (3), in the plane of rod and gravity (3) [m/s^2]
@@ -265,6 +272,14 @@ int64_t refdem_particles_work(const refdem_particles *p);
 int64_t refdem_particles_run(const refdem_particles *p, int method, double h, int64_t samples,
                              int64_t stride, int64_t most, int64_t *mode, double *work,
                              double *event, double *channel, double *out);
+
+/* The same without contacts, and without bodies that turn, by Gear's predictor-corrector with
+ * `values` rows of Nordsieck's (5 to 7) and the coefficients `corrector` (values) of gear.h. out
+ * (samples, size): row 0 is the state at the start. work: refdem_particles_gear_work doubles.
+ * Returns 0. */
+int64_t refdem_particles_gear_work(const refdem_particles *p);
+int refdem_particles_gear(const refdem_particles *p, int values, const double *corrector, double h,
+                          int64_t samples, int64_t stride, double *work, double *out);
 
 /* == coulomb == */
 

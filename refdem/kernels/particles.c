@@ -12,6 +12,7 @@
 #include <assert.h>
 
 #include "contact_modes.h"
+#include "particle_gear.h"
 
 /* Events in a step beyond which none is looked for; halvings in the search for a rise. */
 enum { MOST_EVENTS = 64, HALVES = 16 };
@@ -429,4 +430,40 @@ int64_t refdem_particles_run(const refdem_particles *p, int method, double h, in
         record(&r, c.y, channel + 4 * row);
     }
     return c.events;
+}
+
+int64_t refdem_particles_gear_work(const refdem_particles *p)
+{
+    int64_t coordinates = 3 * p->bodies;
+    int64_t nodes = NODES * coordinates;
+    return (COLUMNS + 9) * refdem_particles_size(p) + nodes + gear_work(coordinates);
+}
+
+int refdem_particles_gear(const refdem_particles *p, int values, const double *corrector, double h,
+                          int64_t samples, int64_t stride, double *work, double *out)
+{
+    assert(p && p->pairs == 0 && !p->turning);
+    assert(values >= 3 && values <= MOST_VALUES && corrector && samples >= 1 && stride >= 0);
+    assert(work && out); /* `work` has refdem_particles_gear_work doubles */
+    int64_t size = refdem_particles_size(p);
+    int64_t coordinates = 3 * p->bodies;
+    double *states = work;
+    double *scratch = states + 6 * size;
+    double *acceleration = scratch + (COLUMNS + 3) * size;
+    gear g = gear_in(acceleration + NODES * coordinates, values, coordinates, corrector);
+    runner r = {.p = p, .method = EXTRAPOLATION, .size = size, .scratch = scratch};
+    accelerations_at_nodes(&r, out, h, states, acceleration);
+    fill_rows(&g, out, h, acceleration);
+    asked system = {.r = &r, .state = states, .rate = states + size};
+    for (int64_t k = 1; k < samples; k++) {
+        for (int64_t n = 0; n < stride; n++)
+            gear_step(&g, h, particle_acceleration, &system);
+        double *row = out + k * size;
+        memset(row, 0, (size_t)size * sizeof *row);
+        for (int64_t i = 0; i < coordinates; i++) {
+            row[i] = g.row[i];
+            row[coordinates + i] = g.row[coordinates + i] / h;
+        }
+    }
+    return 0;
 }

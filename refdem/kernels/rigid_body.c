@@ -17,6 +17,7 @@
 #include <string.h>
 
 #include "double_double.h"
+#include "gear.h"
 #include "kernels.h"
 #include "quaternion.h"
 
@@ -252,6 +253,100 @@ int refdem_rigid_body_rk4(const double *inertia, const double *attitude, const d
         memcpy(b.q, y, sizeof b.q);
         memcpy(b.l, y + 4, sizeof b.l);
         finish(&b, inertia, out_attitude + 4 * k, out_omega + 3 * k);
+    }
+    return 0;
+}
+
+/* Rates of omega in body axes from Euler's equations, J_i w_i' = (J_j - J_k) w_j w_k. */
+static void body_rates(const double *restrict inertia, const double *restrict a,
+                       const double *restrict b, double *restrict rate)
+{
+    for (int i = 0; i < 3; i++) {
+        int j = (i + 1) % 3;
+        int k = (i + 2) % 3;
+        rate[i] = (inertia[j] - inertia[k]) / inertia[i] * (a[j] * b[k]);
+    }
+}
+
+/* w = 2 q^-1 q': the rate of ln |q|^2, which vanishes but for errors, and omega in body axes. */
+static void body_omega(const double *restrict q, const double *restrict dq, double *restrict w)
+{
+    double square = q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3];
+    double back[4] = {q[0], -q[1], -q[2], -q[3]};
+    quaternion_product(back, dq, w);
+    for (int i = 0; i < 4; i++)
+        w[i] *= 2.0 / square;
+}
+
+/* q'' = q' w/2 + q w'/2 of a free body with the moments `system` (3). With all four parts of w, so
+ * that (q^-1 q')' = w'/2 whatever |q| is: without the first, a length that drifts at the rate s
+ * would slow omega by s omega. */
+static void quaternion_acceleration(void *system, const double *q, const double *dq, double *ddq)
+{
+    double w[4];
+    double dw[4] = {0.0};
+    double by_w[4], by_dw[4];
+    body_omega(q, dq, w);
+    body_rates(system, w + 1, w + 1, dw + 1);
+    quaternion_product(dq, w, by_w);
+    quaternion_product(q, dw, by_dw);
+    for (int i = 0; i < 4; i++)
+        ddq[i] = 0.5 * (by_w[i] + by_dw[i]);
+}
+
+/* Fills Nordsieck's rows h^i q_i with Taylor's coefficients from the products (Cauchy) in
+ *   (n + 1) q_(n+1) = sum of q_m w_(n-m)/2,   (n + 1) w_(n+1) = sum of J^-1 (J w_m x w_(n-m)). */
+static void fill_rows(gear *g, const double *restrict inertia, const spinning *b, double h)
+{
+    double w[MOST_VALUES][4] = {{0.0}};
+    double q[MOST_VALUES][4] = {{0.0}};
+    double term[4];
+    double power = 1.0;
+    for (int i = 0; i < 3; i++)
+        w[0][1 + i] = b->l[i] / inertia[i];
+    memcpy(q[0], b->q, sizeof b->q);
+    for (int n = 0; n + 1 < g->values; n++) {
+        for (int m = 0; m <= n; m++) {
+            quaternion_product(q[m], w[n - m], term);
+            for (int i = 0; i < 4; i++)
+                q[n + 1][i] += 0.5 * term[i] / (n + 1);
+            body_rates(inertia, w[m] + 1, w[n - m] + 1, term + 1);
+            for (int i = 1; i < 4; i++)
+                w[n + 1][i] += term[i] / (n + 1);
+        }
+    }
+    for (int n = 0; n < g->values; n++, power *= h)
+        for (int i = 0; i < 4; i++)
+            g->row[4 * n + i] = power * q[n][i];
+}
+
+int refdem_rigid_body_gear(const double *inertia, const double *attitude, const double *omega,
+                           int values, const double *corrector, double h, int64_t samples,
+                           int64_t stride, double *out_attitude, double *out_omega)
+{
+    assert(inertia && attitude && omega && corrector && samples >= 1 && stride >= 0);
+    assert(values >= 3 && values <= MOST_VALUES);
+    assert(out_attitude && out_omega); /* (samples, 4), (samples, 3) doubles */
+    enum { WORK = (MOST_VALUES + 2 * COMPENSATED + 3) * 4 };
+    double work[WORK];
+    double moments[3] = {inertia[0], inertia[1], inertia[2]};
+    spinning b;
+    begin(&b, inertia, attitude, omega);
+    finish(&b, inertia, out_attitude, out_omega);
+    gear g = gear_in(work, values, 4, corrector);
+    fill_rows(&g, inertia, &b, h);
+    for (int64_t k = 1; k < samples; k++) {
+        for (int64_t n = 0; n < stride; n++)
+            gear_step(&g, h, quaternion_acceleration, moments);
+        double dq[4], w[4];
+        double *q = out_attitude + 4 * k;
+        for (int i = 0; i < 4; i++) {
+            q[i] = g.row[i];
+            dq[i] = g.row[4 + i] / h;
+        }
+        body_omega(q, dq, w);
+        quaternion_normalised(q);
+        quaternion_rotated(q, w + 1, out_omega + 3 * k);
     }
     return 0;
 }
