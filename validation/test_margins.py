@@ -16,7 +16,7 @@ from refdem.report.margins import groups, margins_by_check
 
 RECORDS = campaign_records("main")
 GROUPS = groups(RECORDS)
-MOST = 1.65
+MOST = 1.4
 """Decades: the median margin of bounds above round-off is less. Bounds on what follows an impact
 hold wherever in its step the impact falls, and are wider than those on smooth motions.
 """

@@ -97,6 +97,8 @@ def claims(method: Method) -> str:
         words.append("its clock is a plain sum of steps, with an error of up to u t per step")
     if method.tells:
         words.append(f"tells every {' and '.join(sorted(method.tells))}")
+    if method.cuts_steps:
+        words.append("its steps end at the kinks of forces")
     if method.differenced_velocities:
         words.append("its velocities are differences of places, rounded by up to u r/h")
     if method.constant != 1:

@@ -351,16 +351,17 @@ def _safety(subject: Subject, ratio: float, count: int) -> float:
 
 
 def _cuts_steps(subject: Subject) -> bool:
-    """True if the order claimed can be had across the kinks of the scene only by steps that end at
-    each of them.
+    """True if the method claims that its steps end at each kink, or the order that it claims can be
+    had across the kinks of the scene only by such steps.
 
     A method that locates events may do so by interpolation and not cut its steps; across a kink
     that allows the claimed order anyway, such a method scatters the error. The smoothest kink of a
     contact is that of its normal force, or one of the first kind: a spring that starts to slip, a
     damped force that ends.
     """
-    if not subject.method.locates_events:
-        return False
+    method = subject.method
+    if method.cuts_steps or not method.locates_events:
+        return method.cuts_steps
     scene = subject.instance.scene
     exponents = [KINK]
     exponents += [law.exponent for law in scene.all(Contact)]

@@ -36,6 +36,8 @@ class Method:
     show divided by the step.
     summed_clock: the time is a plain sum of steps, so that each may add an error of u t.
     locates_events: events have their own times, not that of the end of the step that sees them.
+    cuts_steps: steps end at each kink of the force, where a contact begins, sticks, slips or ends.
+    The error is then that of a smooth motion, but for the part of the step that is cut off.
     tells: kinds of events, contact or release, of which the method tells every one, between bodies
     and at walls; a run without them is then held to truth as well.
     answers: the kind of questions that the method is for.
@@ -68,6 +70,7 @@ class Method:
     differenced_velocities: bool = False
     summed_clock: bool = False
     locates_events: bool = False
+    cuts_steps: bool = False
     tells: frozenset[str] = frozenset()
     deterministic: bool = True
     threads: bool = False

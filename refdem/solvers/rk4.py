@@ -24,6 +24,7 @@ class RungeKutta(_particles.ParticleSolver):
         conserves=frozenset({"momentum"}),
         backward=True,
         locates_events=True,
+        cuts_steps=True,
         cost_rank=40,
     )
 

@@ -31,6 +31,7 @@ class VelocityVerlet(_particles.ParticleSolver):
         symplectic=True,
         backward=True,
         locates_events=True,
+        cuts_steps=True,
         cost_rank=30,
     )
 

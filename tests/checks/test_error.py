@@ -72,12 +72,14 @@ def test_a_method_that_may_straddle_a_kink_keeps_the_room_of_scattered_errors():
     reference = discovery.engine("reference")
     truth = truth_of(instance)
 
-    def cuts(method):
-        return _cuts_steps(task_of(reference, method, instance, truth, 4, ("error",)).subject)
+    def cuts(name):
+        subject = task_of(reference, name, instance, truth, 4, ("error",)).subject
+        silent = replace(subject, method=replace(subject.method, cuts_steps=False))
+        return _cuts_steps(subject), _cuts_steps(silent)
 
     # Order 4 cannot be had across the kinks of a contact by steps that straddle them, order 2 can.
-    assert cuts("rk4")
-    assert not cuts("velocity-verlet")
+    assert cuts("rk4") == (True, True)
+    assert cuts("velocity-verlet") == (True, False)
 
 
 def drifted(by):

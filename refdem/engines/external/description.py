@@ -56,6 +56,10 @@ class MethodTable(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fiel
     locates_events: Annotated[
         bool, said("events are told at their own times, not at the end of the step that sees them")
     ] = False
+    cuts_steps: Annotated[
+        bool,
+        said("steps end at each kink of the force: where a contact begins, sticks, slips or ends"),
+    ] = False
     tells: Annotated[
         list[Told],
         said(
