@@ -38,6 +38,8 @@ from refdem.scene.elements.uniform_gravity import UniformGravity
 
 Complex = NDArray[np.complex128]
 
+SMALLEST = float(np.finfo(float).tiny)
+"""[m]. The signal of a line that the motion leaves where it starts: no bound decides anything."""
 PLACE = "x"
 """The quantity whose lines are judged."""
 AMPLIFIED = 10.0
@@ -109,8 +111,10 @@ class Spectrum(Check):
         for k, line in enumerate(found.lines):
             certified_line = complex(found.rows[k] @ true)
             error = complex(found.rows[k] @ off[-1])
-            signal = abs(certified_line)
-            if signal <= rounding[k]:
+            # A body that never moves has a shift, too: what it lacks is the line of the motion.
+            moved = abs(complex(found.rows[k] @ (true - true[0])))
+            signal = max(moved, SMALLEST)
+            if abs(certified_line) <= rounding[k]:
                 # A line that symmetry forbids: any value beyond the bound is wrong.
                 signal = 0.0
             bound = float(bounds[k])
