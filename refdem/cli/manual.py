@@ -14,19 +14,23 @@ def command(
         ),
     ] = Path("reports"),
 ) -> None:
-    """Writes statement, method, witness, digits, checks and settled slips of every case, as
-    Markdown and HTML.
+    """Writes statement, method, witness, digits, checks and settled slips of every case, and a
+    table of the source chapter item by item, as Markdown and HTML.
 
     Example: refdem manual reports
     """
     import refdem
     from refdem.campaign.kept_truth import truth_folder
     from refdem.cli.outputs import refuse_unwritable
+    from refdem.gallery import gallery
     from refdem.manual import inputs
+    from refdem.manual.chapter import lines
     from refdem.manual.pages import pages
     from refdem.report import write_manual
 
     refuse_unwritable(folder / "manual", "FOLDER")
-    write_manual(folder, list(pages(truth_folder())), version=refdem.__version__)
+    chapter = list(lines(gallery.names()))
+    made = list(pages(truth_folder()))
+    write_manual(folder, made, version=refdem.__version__, chapter=chapter)
     (folder / "manual" / inputs.NAME).write_text(inputs.text_of(inputs.digests(truth_folder())))
     print(f"manual: {folder / 'manual' / 'index.html'}")

@@ -13,6 +13,10 @@ from refdem.errors import UsageError
 Array = NDArray[np.float64]
 GREY = -1
 """Ink of what is neither data nor a claim; colours count from 0."""
+FEWEST_DIGITS = 2
+"""Significant digits of a number of which only the size counts."""
+ROUND_OFF = 1e-6
+"""Below this a number is an error, of which only the size counts."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -90,7 +94,8 @@ class Panel:
 class Figure:
     """A figure of the chapter (1.15), made anew, or of a benchmark (co-4): panels in `columns`.
 
-    `numbers` are what was measured in it, by name.
+    `numbers` are what was measured in it, by name, and `digits` how many significant digits of them
+    decide something.
     `commands`: what makes it, then what shows the runs behind it one by one.
     """
 
@@ -100,12 +105,19 @@ class Figure:
     panels: tuple[Panel, ...]
     columns: int = 1
     numbers: dict[str, float] = field(default_factory=dict)
+    digits: int = FEWEST_DIGITS
     commands: tuple[str, ...] = ()
 
     @property
     def name(self) -> str:
         """The id of the figure in the form of a file name."""
         return file_name(self.id)
+
+    def digits_of(self, number: str) -> int:
+        """How many significant digits of a number are shown: `digits`, but fewest of an error."""
+        if "standard error" in number or abs(self.numbers[number]) < ROUND_OFF:
+            return FEWEST_DIGITS
+        return self.digits
 
 
 def file_name(id: str) -> str:

@@ -61,6 +61,21 @@ class Slip(msgspec.Struct, frozen=True, kw_only=True):
     measured: tuple[tuple[str, str], ...]
 
 
+class ChapterLine(msgspec.Struct, frozen=True, kw_only=True):
+    """One item of the source chapter: where it stands, what it states, the case that runs it with
+    its parameters, the engines that can, the check that judges it, and what that check kills.
+    """
+
+    where: str
+    states: str
+    case: str
+    parameters: str
+    engines: tuple[str, ...]
+    check: str
+    kills: str
+    pictures: tuple[str, ...] = ()
+
+
 class ManualPage(msgspec.Struct, frozen=True, kw_only=True):
     """The page of the manual about one case."""
 

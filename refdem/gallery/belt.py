@@ -13,6 +13,12 @@ SKIPPED = 60
 """Periods of the drive before the picture begins: the start is forgotten by then."""
 PER_PERIOD = 240
 """Samples in a period of the drive: a curve drawn through them looks smooth."""
+CHAOTIC = {"gamma": "2", "friction_law": "linear"}
+"""A drive four times stronger than gamma = 0.5, and friction whose last term grows with the speed:
+many of its motions have a positive exponent.
+"""
+FOLLOWED = 2000
+"""Periods of the drive over which an exponent is measured: its error is then a few thousandths."""
 
 
 def orbit(eta: str, periods: int = 12, **parameters: Any) -> ObservedRun:
@@ -33,3 +39,8 @@ def section(eta: Array, *, skip: int, keep: int, **parameters: Any) -> Any:
     asked = instance("stick-slip", **parameters)
     remember(command(asked))
     return reference.section(asked.problem, eta, skip=skip, keep=keep)
+
+
+def exponents(eta: Array, **parameters: Any) -> Any:
+    """The largest exponents (M,) [1/s] at the frequencies (M,), with their errors and regimes."""
+    return section(eta, skip=SKIPPED, keep=FOLLOWED, **parameters).exponent

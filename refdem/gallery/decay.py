@@ -33,7 +33,7 @@ def decaying(name: str, quantity: str, title: str, caption: str) -> Figure:
     numbers = {}
     if quantity == "x":
         numbers = turns_and_stop(dry)
-    return Figure(id=name, title=title, caption=caption, panels=(panel,), numbers=numbers)
+    return Figure(id=name, title=title, caption=caption, panels=(panel,), numbers=numbers, digits=6)
 
 
 def envelopes(dry: ObservedRun, quantity: str) -> list[Series]:

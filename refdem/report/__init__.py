@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from refdem.core.figure import Figure
     from refdem.core.finding import Sheet
-    from refdem.core.manual import ManualPage
+    from refdem.core.manual import ChapterLine, ManualPage
     from refdem.core.store import Store
     from refdem.report.tables import Tables
 
@@ -60,13 +60,19 @@ def is_as_left(folder: Path, store: "Store") -> bool:
     return unchanged.is_as_left(Path(folder), store)
 
 
-def write_manual(folder: Path, pages: "Sequence[ManualPage]", *, version: str) -> None:
-    """Writes the verification manual into `folder`/manual, Markdown and HTML; raises StoreError if
-    it cannot be written.
+def write_manual(
+    folder: Path,
+    pages: "Sequence[ManualPage]",
+    *,
+    version: str,
+    chapter: "Sequence[ChapterLine]" = (),
+) -> None:
+    """Writes the verification manual into `folder`/manual, Markdown and HTML, with the table of the
+    source chapter; raises StoreError if it cannot be written.
     """
     from refdem.report.manual import write_pages
 
-    write_pages(Path(folder), pages, version=version)
+    write_pages(Path(folder), pages, version=version, chapter=chapter)
 
 
 def write_gallery(

@@ -14,7 +14,7 @@ from refdem.report import figures
 from refdem.report.files import removed, written
 from refdem.report.html import environment
 from refdem.report.markdown import table
-from refdem.report.numbers import two
+from refdem.report.numbers import significant
 from refdem.report.panels import specification
 
 INTRODUCTION = (
@@ -97,7 +97,10 @@ def chapter(figure: Figure) -> str:
         markdown_text(figure.caption),
     ]
     if figure.numbers:
-        lines = [[markdown_text(what), two(value)] for what, value in figure.numbers.items()]
+        lines = [
+            [markdown_text(what), significant(value, figure.digits_of(what))]
+            for what, value in figure.numbers.items()
+        ]
         parts.append(table(["measured in it", "value"], lines))
     parts.append("```\n" + "\n".join(figure.commands) + "\n```")
     return "\n\n".join(parts) + "\n"

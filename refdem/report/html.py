@@ -15,7 +15,7 @@ from refdem.report import index
 from refdem.report.contents import Contents, anchor, page
 from refdem.report.invariants import law_sheets
 from refdem.report.mathml import equations
-from refdem.report.numbers import ABSENT, decades, two
+from refdem.report.numbers import ABSENT, decades, significant, two
 from refdem.report.overview import advice_text, advised, shown_digits
 from refdem.report.reasons import refusals
 from refdem.report.tolerance import TARGETS, WORST, Row, best_errors
@@ -151,6 +151,7 @@ def environment() -> Environment:
     )
     functions = (
         two,
+        significant,
         decades,
         page,
         anchor,

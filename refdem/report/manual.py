@@ -5,7 +5,7 @@ report's style), and a table of them all.
 from collections.abc import Sequence
 from pathlib import Path
 
-from refdem.core.manual import CheckLine, ManualPage, QuantityLine
+from refdem.core.manual import ChapterLine, CheckLine, ManualPage, QuantityLine
 from refdem.core.outside import markdown_text
 from refdem.report.files import removed, written
 from refdem.report.html import environment
@@ -17,14 +17,27 @@ CSS = Path(__file__).with_name("assets") / "report.css"
 FEW = 24
 """Quantities that a page lists one by one; more are listed by name."""
 NOBODY = "**nobody**: no witness"
+CHAPTER_TITLE = "The source chapter, item by item"
+CHAPTER_WORDS = (
+    "What has a number in the source chapter, and what else it states that can be run: the case"
+    " that runs it, the engines that can, and the check that judges it. Of numbers without a motion"
+    " an engine may answer some only. The tests plant what is killed, and the check has to see it."
+    " Pictures are made by the command refdem gallery."
+)
 
 
-def write_pages(folder: Path, pages: Sequence[ManualPage], *, version: str) -> None:
-    """Writes manual/<case>.md and .html, manual/index of both kinds, and the style; pages of cases
-    that are gone are removed.
+def write_pages(
+    folder: Path,
+    pages: Sequence[ManualPage],
+    *,
+    version: str,
+    chapter: Sequence[ChapterLine] = (),
+) -> None:
+    """Writes manual/<case>.md and .html, manual/index and manual/chapter of both kinds, and the
+    style; pages of cases that are gone are removed.
     """
     home = Path(folder) / "manual"
-    known = {"index.md", "index.html"}
+    known = {"index.md", "index.html", "chapter.md", "chapter.html"}
     for page in pages:
         known |= {f"{page.case}.md", f"{page.case}.html"}
     for path in sorted(home.glob("*")):
@@ -50,6 +63,12 @@ def write_pages(folder: Path, pages: Sequence[ManualPage], *, version: str) -> N
     contents = templates.get_template("manual_index.html")
     text = contents.render(root="../", pages=pages, version=version)
     written(home / "index.html", text)
+    written(home / "chapter.md", chapter_markdown(chapter))
+    items = templates.get_template("manual_chapter.html")
+    text = items.render(
+        root="../", lines=chapter, title=CHAPTER_TITLE, words=CHAPTER_WORDS, version=version
+    )
+    written(home / "chapter.html", text)
 
 
 def markdown(page: ManualPage) -> str:
@@ -193,7 +212,31 @@ def index_markdown(pages: Sequence[ManualPage]) -> str:
         f"{len(pages)} cases, {values} certified values, {witnessed} of them confirmed when proved"
         " by a witness that shares no code."
     )
-    return f"# Verification manual\n\n{totals}\n\n{table(head, lines)}\n"
+    chapter = f"[{CHAPTER_TITLE}](chapter.md)."
+    return f"# Verification manual\n\n{totals}\n\n{chapter}\n\n{table(head, lines)}\n"
+
+
+def chapter_markdown(items: Sequence[ChapterLine]) -> str:
+    """The table of the source chapter, a line an item."""
+    lines = [_chapter_line(item) for item in items]
+    head = ["where", "states", "case", "engines", "check", "kills", "picture"]
+    return f"# {CHAPTER_TITLE}\n\n{CHAPTER_WORDS}\n\n{table(head, lines)}\n"
+
+
+def _chapter_line(item: ChapterLine) -> list[str]:
+    """The cells of one item of the chapter."""
+    case = f"[{item.case}]({item.case}.md)"
+    if item.parameters:
+        case += f" {markdown_text(item.parameters)}"
+    return [
+        markdown_text(item.where),
+        markdown_text(item.states),
+        case,
+        markdown_text(", ".join(item.engines)),
+        markdown_text(item.check),
+        markdown_text(item.kills),
+        markdown_text(", ".join(item.pictures)),
+    ]
 
 
 def _index_line(page: ManualPage) -> list[str]:

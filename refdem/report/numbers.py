@@ -1,4 +1,4 @@
-"""Numbers as people read them: two significant digits."""
+"""Numbers as people read them: two significant digits, or as many as are asked for."""
 
 import math
 
@@ -7,16 +7,26 @@ ABSENT = "\N{EN DASH}"
 
 def two(value: float | None) -> str:
     """A number with two significant digits: `0.012`, `3.4e-9`, `0`; a dash if it is absent."""
+    return significant(value, 2)
+
+
+def significant(value: float | None, digits: int) -> str:
+    """A number with at most so many significant digits: of 1.6266 and 4 `1.627`, of 0.4 `0.4`; a
+    dash if it is absent.
+    """
     if value is None:
         return ABSENT
     if value == 0 or not math.isfinite(value):
         if value == 0:
             return "0"
         return str(value)
-    mantissa, _, exponent = f"{value:.1e}".partition("e")
-    if -3 <= int(exponent) < 3:
-        return f"{float(f'{value:.1e}'):g}"
-    return f"{mantissa.removesuffix('.0')}e{int(exponent)}"
+    mantissa, _, exponent = f"{value:.{digits - 1}e}".partition("e")
+    if -3 <= int(exponent) < max(3, digits):
+        # At least so many digits keep Python from writing a power of ten.
+        return f"{rounded(value, digits):.{max(digits, 3)}g}"
+    if "." in mantissa:
+        mantissa = mantissa.rstrip("0").removesuffix(".")
+    return f"{mantissa}e{int(exponent)}"
 
 
 def rounded(value: float, digits: int = 2) -> float:

@@ -8,7 +8,15 @@ from pathlib import Path
 import msgspec
 import pytest
 
-from refdem.core.manual import CheckLine, ManualPage, ParameterLine, QuantityLine, Slip, TruthLine
+from refdem.core.manual import (
+    ChapterLine,
+    CheckLine,
+    ManualPage,
+    ParameterLine,
+    QuantityLine,
+    Slip,
+    TruthLine,
+)
 from refdem.report import write_manual
 
 NASTY = '<script>alert("x")</script> | *a* [b](c)'
@@ -45,6 +53,19 @@ PAGE = ManualPage(
     reproduce=("refdem truth top",),
 )
 
+CHAPTER = (
+    ChapterLine(
+        where="(1.1)",
+        states=NASTY,
+        case="top",
+        parameters="--set mass=2",
+        engines=("reference", NASTY),
+        check="error",
+        kills=NASTY,
+        pictures=("1.15",),
+    ),
+)
+
 
 @pytest.fixture
 def home(tmp_path: Path) -> Path:
@@ -59,7 +80,7 @@ def home(tmp_path: Path) -> Path:
         has_no_witness=False,
     )
     other = msgspec.structs.replace(PAGE, case="bottom", title="Bottom", words=(), truth=proved)
-    write_manual(tmp_path, [other, PAGE], version="9.9")
+    write_manual(tmp_path, [other, PAGE], version="9.9", chapter=CHAPTER)
     return tmp_path / "manual"
 
 
@@ -67,6 +88,8 @@ def test_there_is_a_page_of_both_kinds_for_each_case_and_an_index(home: Path) ->
     assert sorted(p.name for p in home.iterdir()) == [
         "bottom.html",
         "bottom.md",
+        "chapter.html",
+        "chapter.md",
         "index.html",
         "index.md",
         "top.html",
@@ -103,7 +126,7 @@ def test_no_text_becomes_markup(home: Path) -> None:
             rows = [
                 re.split(r"(?<!\\)\|", line) for line in text.splitlines() if line.startswith("|")
             ]
-            assert all(len(row) in (4, 5, 7, 8) for row in rows)
+            assert all(len(row) in (4, 5, 7, 8, 9) for row in rows)
 
 
 def test_pages_load_nothing_from_elsewhere(home: Path) -> None:
@@ -125,3 +148,19 @@ def test_the_text_is_the_same_each_time(home: Path) -> None:
         version="9.9",
     )
     assert (home / "top.md").read_bytes() == before["top.md"]
+
+
+def test_the_chapter_is_a_table_that_the_index_leads_to(home: Path) -> None:
+    assert "(chapter.md)" in (home / "index.md").read_text()
+    assert 'href="chapter.html"' in (home / "index.html").read_text()
+    (line,) = (
+        line
+        for line in (home / "chapter.md").read_text().splitlines()
+        if line.startswith("| (1.1)")
+    )
+    assert "[top](top.md) --set mass=2" in line
+    assert "1.15" in line
+    assert (
+        '<a href="top.html">top</a> <code>--set mass=2</code>'
+        in (home / "chapter.html").read_text()
+    )

@@ -6,7 +6,7 @@ import pytest
 
 from refdem.core.finding import Finding, Level, Record
 from refdem.report.contents import contents_of, page
-from refdem.report.numbers import decades, two
+from refdem.report.numbers import decades, significant, two
 from refdem.report.tolerance import WORST, cell, rows_of
 
 
@@ -156,6 +156,23 @@ def test_an_error_of_exactly_zero_is_exact_and_an_engine_that_did_not_run_has_no
 )
 def test_numbers_have_two_significant_digits(value, text):
     assert two(value) == text
+
+
+@pytest.mark.parametrize(
+    ("value", "digits", "text"),
+    [
+        (1.6265782, 5, "1.6266"),
+        (0.4, 5, "0.4"),
+        (101752.0, 6, "101752"),
+        (101752.0, 3, "1.02e5"),
+        (100000.0, 3, "1e5"),
+        (160.177, 3, "160"),
+        (5.09e-5, 6, "5.09e-5"),
+        (None, 4, "\N{EN DASH}"),
+    ],
+)
+def test_numbers_have_as_many_significant_digits_as_are_asked_for(value, digits, text):
+    assert significant(value, digits) == text
 
 
 def test_a_margin_has_its_sign():

@@ -64,6 +64,7 @@ def figure() -> Figure:
         panels=panels,
         columns=2,
         numbers=numbers,
+        digits=3,
     )
 
 

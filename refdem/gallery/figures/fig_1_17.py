@@ -37,7 +37,9 @@ def figure() -> Figure:
         " instant give the amplitude. The maxima lie at w^2 = w0^2 - 2 delta^2 and are f0/(2 delta"
         " sqrt(w0^2 - delta^2)) high, as long as delta < w0/sqrt 2."
     )
-    return Figure(id="1.17", title="Resonance", caption=caption, panels=(panel,), numbers=numbers)
+    return Figure(
+        id="1.17", title="Resonance", caption=caption, panels=(panel,), numbers=numbers, digits=4
+    )
 
 
 def steady_amplitude(drive: float, delta: float) -> float:

@@ -35,4 +35,5 @@ def figure() -> Figure:
         caption=caption,
         panels=(panel,),
         numbers=numbers,
+        digits=6,
     )

@@ -42,4 +42,5 @@ def figure() -> Figure:
         caption=caption,
         panels=(panel,),
         numbers=numbers,
+        digits=6,
     )

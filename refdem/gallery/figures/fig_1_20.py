@@ -42,6 +42,7 @@ def figure() -> Figure:
         panels=(whole, close),
         columns=2,
         numbers=numbers(outline),
+        digits=6,
     )
 
 

@@ -37,6 +37,7 @@ def figure() -> Figure:
         panels=(motions(), periods()),
         columns=2,
         numbers=numbers,
+        digits=7,
     )
 
 

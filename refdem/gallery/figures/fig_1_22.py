@@ -41,6 +41,7 @@ def figure() -> Figure:
         caption=caption,
         panels=(panel,),
         numbers=numbers,
+        digits=6,
     )
 
 

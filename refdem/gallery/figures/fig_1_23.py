@@ -46,6 +46,7 @@ def figure() -> Figure:
         caption=caption,
         panels=(panel,),
         numbers=numbers,
+        digits=5,
     )
 
 

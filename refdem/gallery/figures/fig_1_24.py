@@ -51,6 +51,7 @@ def figure() -> Figure:
         caption=caption,
         panels=(panel,),
         numbers=numbers,
+        digits=3,
     )
 
 

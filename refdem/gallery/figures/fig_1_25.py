@@ -44,7 +44,13 @@ def figure() -> Figure:
     )
     title = "Van der Pol oscillator"
     return Figure(
-        id="1.25", title=title, caption=caption, panels=tuple(panels), columns=3, numbers=numbers
+        id="1.25",
+        title=title,
+        caption=caption,
+        panels=tuple(panels),
+        columns=3,
+        numbers=numbers,
+        digits=5,
     )
 
 

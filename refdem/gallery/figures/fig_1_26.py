@@ -43,7 +43,12 @@ def figure() -> Figure:
         " so on, up to a continuum. Marked is where the runs begin to show twice as many values."
     )
     return Figure(
-        id="1.26", title="Bifurcation scenario", caption=caption, panels=(panel,), numbers=numbers
+        id="1.26",
+        title="Bifurcation scenario",
+        caption=caption,
+        panels=(panel,),
+        numbers=numbers,
+        digits=5,
     )
 
 

@@ -39,6 +39,7 @@ def figure() -> Figure:
         panels=(law_panel, forces(whole)),
         columns=2,
         numbers=numbers,
+        digits=3,
     )
 
 

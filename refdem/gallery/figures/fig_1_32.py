@@ -59,6 +59,7 @@ def figure() -> Figure:
         panels=tuple(panels),
         columns=3,
         numbers=numbers,
+        digits=3,
     )
 
 

@@ -41,7 +41,12 @@ def figure() -> Figure:
         " stay side by side, in the stadium the half circles scatter them."
     )
     return Figure(
-        id="1.33", title="Billiards", caption=caption, panels=tuple(panels), numbers=numbers
+        id="1.33",
+        title="Billiards",
+        caption=caption,
+        panels=tuple(panels),
+        numbers=numbers,
+        digits=3,
     )
 
 
