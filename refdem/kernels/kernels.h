@@ -128,6 +128,12 @@ int refdem_rigid_body_rk4(const double *inertia, const double *attitude, const d
                           double h, int64_t samples, int64_t stride, double *out_attitude,
                           double *out_omega);
 
+/* The same by rk4's method on Euler's angles, in the one of two frames that is away from its pole.
+ */
+int refdem_rigid_body_euler_angles(const double *inertia, const double *attitude,
+                                   const double *omega, double h, int64_t samples, int64_t stride,
+                                   double *out_attitude, double *out_omega);
+
 /* The same by Gear's predictor-corrector on the quaternion's own equation of second order, with
  * `values` rows of Nordsieck's (5 to 7) and the coefficients `corrector` (values) of gear.h; three
  * moments above 0. */

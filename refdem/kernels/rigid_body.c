@@ -1,5 +1,6 @@
-/* One free rigid body, step by step: by a splitting into exact rotations, and by the classical
- * Runge-Kutta method, for the angular momentum l in body axes and the attitude q:
+/* One free rigid body, step by step: by a splitting into exact rotations, by the classical
+ * Runge-Kutta method and by Gear's, for the angular momentum l in body axes and the attitude q, or
+ * Euler's angles in its place:
  *
  *   l' = l x w,   q' = q w/2,   w = J^-1 l.
  *
@@ -206,24 +207,43 @@ static void rates(const double *restrict y, const double *restrict per, double *
     }
 }
 
-/* One step of the classical method of order 4 (Kutta 1901), y += h/6 (k1 + 2 k2 + 2 k3 + k4); then
- * |q| is brought back to 1: with excess e = (|q|^2 - 1)/2, q -= (e - 3/2 e^2) q. */
-static void rk4_step(double *restrict y, double *restrict low, const double *restrict per, double h)
+/* Writes the rates dy of a state y, of a body with per = 1/J. */
+typedef void rates_of(const double *restrict y, const double *restrict per, double *restrict dy);
+
+/* One step of the classical method of order 4 (Kutta 1901) for `count` values, at most 7: y += h/6
+ * (k1 + 2 k2 + 2 k3 + k4). */
+static inline void rk4_step(rates_of *rate, int count, double *restrict y, double *restrict low,
+                            const double *restrict per, double h)
 {
     double k[4][7], stage[7];
     static const double fraction[4] = {0.0, 0.5, 0.5, 1.0};
-    rates(y, per, k[0]);
+    rate(y, per, k[0]);
     for (int s = 1; s < 4; s++) {
-        for (int i = 0; i < 7; i++)
+        for (int i = 0; i < count; i++)
             stage[i] = fma(h * fraction[s], k[s - 1][i], y[i]);
-        rates(stage, per, k[s]);
+        rate(stage, per, k[s]);
     }
-    for (int i = 0; i < 7; i++)
+    for (int i = 0; i < count; i++)
         add_compensated(&y[i], &low[i],
                         h / 6.0 * ((k[0][i] + k[3][i]) + 2.0 * (k[1][i] + k[2][i])));
-    double excess = 0.5 * ((y[0] * y[0] + y[1] * y[1] - 1.0) + (y[2] * y[2] + y[3] * y[3]));
+}
+
+/* Brings |q| back to 1: with excess e = (|q|^2 - 1)/2, q -= (e - 3/2 e^2) q. */
+static inline void restore_length(double *restrict q, double *restrict low)
+{
+    double excess = 0.5 * ((q[0] * q[0] + q[1] * q[1] - 1.0) + (q[2] * q[2] + q[3] * q[3]));
     for (int i = 0; i < 4; i++)
-        add_compensated(&y[i], &low[i], -excess * (1.0 - 1.5 * excess) * y[i]);
+        add_compensated(&q[i], &low[i], -excess * (1.0 - 1.5 * excess) * q[i]);
+}
+
+/* 1/J_i, or 0 about an axis without inertia, about which nothing turns. */
+static void invert(const double *restrict inertia, double *restrict per)
+{
+    for (int i = 0; i < 3; i++) {
+        per[i] = 0.0;
+        if (inertia[i] > 0.0)
+            per[i] = 1.0 / inertia[i];
+    }
 }
 
 int refdem_rigid_body_rk4(const double *inertia, const double *attitude, const double *omega,
@@ -236,10 +256,8 @@ int refdem_rigid_body_rk4(const double *inertia, const double *attitude, const d
     double y[7], low[7], per[3];
     begin(&b, inertia, attitude, omega);
     finish(&b, inertia, out_attitude, out_omega);
+    invert(inertia, per);
     for (int i = 0; i < 3; i++) {
-        per[i] = 0.0;
-        if (inertia[i] > 0.0)
-            per[i] = 1.0 / inertia[i];
         y[4 + i] = b.l[i];
         low[4 + i] = b.l_low[i];
     }
@@ -248,10 +266,123 @@ int refdem_rigid_body_rk4(const double *inertia, const double *attitude, const d
         low[i] = b.q_low[i];
     }
     for (int64_t k = 1; k < samples; k++) {
-        for (int64_t n = 0; n < stride; n++)
-            rk4_step(y, low, per, h);
+        for (int64_t n = 0; n < stride; n++) {
+            rk4_step(rates, 7, y, low, per, h);
+            restore_length(y, low);
+        }
         memcpy(b.q, y, sizeof b.q);
         memcpy(b.l, y + 4, sizeof b.l);
+        finish(&b, inertia, out_attitude + 4 * k, out_omega + 3 * k);
+    }
+    return 0;
+}
+
+/* The frames of Euler's angles, each as the quaternion that turns it into space: space itself, and
+ * space with its axes renamed (120 degrees about (1, 1, 1)), so that z of the frame is x of space.
+ */
+static const double FRAME[2][4] = {{1.0, 0.0, 0.0, 0.0}, {0.5, 0.5, 0.5, 0.5}};
+
+/* dy for y = (phi, theta, psi, l), angles about z, x, z from a frame to the body. With w = per l in
+ * body axes,
+ *
+ *   w_1 = phi' sin theta sin psi + theta' cos psi,
+ *   w_2 = phi' sin theta cos psi - theta' sin psi,
+ *   w_3 = phi' cos theta + psi',
+ *
+ * solved for the rates of the angles, which the poles sin theta = 0 do not allow; l' = l x w. */
+static void angle_rates(const double *restrict y, const double *restrict per, double *restrict dy)
+{
+    double cosine = cos(y[1]);
+    double sine = sin(y[1]);
+    double cosine_psi = cos(y[2]);
+    double sine_psi = sin(y[2]);
+    const double *l = y + 3;
+    double w[3] = {per[0] * l[0], per[1] * l[1], per[2] * l[2]};
+    dy[0] = (w[0] * sine_psi + w[1] * cosine_psi) / sine;
+    dy[1] = w[0] * cosine_psi - w[1] * sine_psi;
+    dy[2] = w[2] - dy[0] * cosine;
+    for (int i = 0; i < 3; i++) {
+        int j = (i + 1) % 3;
+        int k = (i + 2) % 3;
+        dy[3 + i] = l[j] * w[k] - l[k] * w[j];
+    }
+}
+
+/* The attitude of angles in a frame: (1.76) to (1.79), then the turn of the frame into space. */
+static void angles_to_attitude(const double *restrict angle, int frame, double *restrict q)
+{
+    double half_sum = 0.5 * (angle[0] + angle[2]);
+    double half_difference = 0.5 * (angle[0] - angle[2]);
+    double cosine = cos(0.5 * angle[1]);
+    double sine = sin(0.5 * angle[1]);
+    double in_frame[4] = {cosine * cos(half_sum), sine * cos(half_difference),
+                          sine * sin(half_difference), cosine * sin(half_sum)};
+    quaternion_product(FRAME[frame], in_frame, q);
+}
+
+/* The angles of an attitude in a frame, phi and psi in [-2 pi, 2 pi]. */
+static void attitude_to_angles(const double *restrict q, int frame, double *restrict angle)
+{
+    const double *turn = FRAME[frame];
+    double back[4] = {turn[0], -turn[1], -turn[2], -turn[3]};
+    double p[4];
+    quaternion_product(back, q, p);
+    double half_sum = atan2(p[3], p[0]);
+    double half_difference = atan2(p[2], p[1]);
+    angle[0] = half_sum + half_difference;
+    angle[1] = 2.0 * atan2(hypot(p[1], p[2]), hypot(p[0], p[3]));
+    angle[2] = half_sum - half_difference;
+}
+
+/* The frame whose pole is at least 45 degrees from the body's z axis n: space while n_z^2 <= 1/2,
+ * else the other one, whose y axis is z of space. In a frame n = (sin phi sin theta, -cos phi sin
+ * theta, cos theta). */
+static int frame_away_from_pole(const double *angle, int frame)
+{
+    double n_z = cos(angle[1]);
+    if (frame == 1)
+        n_z = -cos(angle[0]) * sin(angle[1]);
+    return n_z * n_z > 0.5;
+}
+
+/* Writes the angles in the other frame where this one comes near its pole. Between two steps and to
+ * round-off, so that every step is one of the method in coordinates that are smooth there, and the
+ * order stays. */
+static void change_frame(double *restrict y, double *restrict low, int *frame)
+{
+    int next = frame_away_from_pole(y, *frame);
+    if (next == *frame)
+        return;
+    double q[4];
+    angles_to_attitude(y, *frame, q);
+    attitude_to_angles(q, next, y);
+    memset(low, 0, 3 * sizeof *low);
+    *frame = next;
+}
+
+int refdem_rigid_body_euler_angles(const double *inertia, const double *attitude,
+                                   const double *omega, double h, int64_t samples, int64_t stride,
+                                   double *out_attitude, double *out_omega)
+{
+    assert(inertia && attitude && omega && samples >= 1 && stride >= 0);
+    assert(out_attitude && out_omega); /* (samples, 4), (samples, 3) doubles */
+    spinning b;
+    double y[6], per[3];
+    double low[6] = {0.0};
+    int frame = 0;
+    begin(&b, inertia, attitude, omega);
+    finish(&b, inertia, out_attitude, out_omega);
+    invert(inertia, per);
+    attitude_to_angles(b.q, frame, y);
+    memcpy(y + 3, b.l, sizeof b.l);
+    memcpy(low + 3, b.l_low, sizeof b.l_low);
+    for (int64_t k = 1; k < samples; k++) {
+        for (int64_t n = 0; n < stride; n++) {
+            change_frame(y, low, &frame);
+            rk4_step(angle_rates, 6, y, low, per, h);
+        }
+        angles_to_attitude(y, frame, b.q);
+        memcpy(b.l, y + 3, sizeof b.l);
         finish(&b, inertia, out_attitude + 4 * k, out_omega + 3 * k);
     }
     return 0;
