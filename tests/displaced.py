@@ -13,6 +13,7 @@ from typing import Any
 from refdem.core import discovery
 from refdem.core.case import Instance
 from refdem.core.truth import Ball
+from refdem.truth.balls import arb_of, ball_of, precision
 from refdem.truth.closed_forms.rigid_cluster import RigidCluster
 from refdem.truth.collision import Collision
 from refdem.truth.from_rest import FromRest
@@ -22,6 +23,7 @@ from tests.touching import touching_starts
 DIGITS = 40
 SIZE = Fraction(1, 10**19)
 """Of a displacement, in scales: what is not linear in it is about as small a part of the answer."""
+BITS = 400
 DIRECTIONS = 2
 """Random directions of each start, besides those along its coordinates."""
 MOST_COORDINATES = int(os.environ.get("REFDEM_RANDOM_COORDINATES", "20"))
@@ -97,6 +99,31 @@ class Later:
         return self.truth.at(t + self.delay)
 
 
+@dataclass(frozen=True)
+class Lengthened:
+    """A path across a table whose direction is no unit vector: reflections keep its length, and no
+    place depends on it.
+    """
+
+    truth: Any
+    length: Fraction
+
+    def at(self, t: Fraction) -> Mapping[str, Ball]:
+        """The same places, and directions that are `length` times as long."""
+        found = dict(self.truth.at(t))
+        for name in ("direction.x", "direction.y"):
+            ball = found[name]
+            found[name] = Ball(ball.mid * self.length, ball.radius * self.length)
+        return found
+
+
+def lengthened(truth: Any, given: str, moved: str) -> Lengthened:
+    """The path whose direction is displaced in its length too, from the texts of both."""
+    one, other = (sum(Fraction(part) ** 2 for part in text.split(",")) for text in (given, moved))
+    with precision(BITS):
+        return Lengthened(truth, ball_of(arb_of(other / one).sqrt()).mid)
+
+
 def moved_along(truth: Any, amounts: Amounts) -> Any:
     """The truth whose start is displaced by so much along each coordinate.
 
@@ -148,7 +175,10 @@ def by_parameters(
         for ((name, place), number), part in zip(start.items(), amounts, strict=True):
             moved[name][place] = str(number + part * size)
         texts = {name: ",".join(numbers) for name, numbers in moved.items()}
-        found.append(everything(instance.case.at(**{**given, **texts}).truth()))
+        one = everything(instance.case.at(**{**given, **texts}).truth())
+        if "direction" in texts:
+            one = lengthened(one, given["direction"], texts["direction"])
+        found.append(one)
     return found
 
 

@@ -5,8 +5,9 @@ d^2 = |r0 x v0|^2/v0^2 is the square of the distance there; t_c (`caught`), d^2 
 are rational. `spin` is r0 x v0, `speed2` v0^2.
 """
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Mapping
 from fractions import Fraction
+from functools import partial
 
 from flint import arb, arb_mat
 
@@ -15,8 +16,9 @@ from refdem.core.truth import Truth
 from refdem.truth.balls import arb_of
 from refdem.truth.closed_form import ClosedForm, per_precision
 from refdem.truth.exact import numbers
-from refdem.truth.growth import Grows, Growth, Norm, Stretch, Times, narrow, smooth
+from refdem.truth.growth import Grows, bounded, upper
 from refdem.truth.refiner import Refiner, Size
+from refdem.truth.swept_growth import Span, largest_growth
 
 RUN_UP = 2
 """The start is this many radii before closest approach."""
@@ -82,68 +84,13 @@ class CapturedMass(ClosedForm):
 
     @per_precision
     def growth(self) -> Grows:
-        """How errors grow: along the stretches, in the norm of vectors of two components."""
-        vectors = Norm((2, 2), (1, 1, 1, 1))
-        # Errors of both components by their scale are a vector that is longer than either.
-        return Times(
-            Growth(self.stretches(), vectors, self.readings, step=narrow(self.omega())),
-            arb(2).sqrt(),
-        )
+        return CaptureGrowth(self)
 
-    def stretches(self) -> Iterator[Stretch]:
-        """The stretches along which errors grow smoothly: the straight line, and the circle.
-
-        Errors are in scales, (position outward, along the motion; velocity outward, along it), in
-        the frame of the capture and then in one that turns with the mass. On the circle an error
-        rho outward is constant; sigma along it has the rate u - omega rho, u being the error of the
-        speed; the velocity outward that belongs to them is -omega sigma, and any other one the hook
-        takes at once (`held`).
+    def frame(self, since: arb) -> arb_mat:
+        """The matrix from errors outward and along the motion, `since` [s] after closest approach,
+        to those along the axes of space: of the position, and of the velocity.
         """
-        ratio = arb_of(self.scale["x"] / self.scale["vx"])
-        scaled_omega = abs(self.omega()) * ratio
-        one = arb(1)
-        zero = arb(0)
-
-        def straight(t: arb) -> arb_mat:
-            """Errors of velocity become errors of position."""
-            scaled_t = t / ratio
-            return arb_mat(
-                [
-                    [one, zero, scaled_t, zero],
-                    [zero, one, zero, scaled_t],
-                    [zero, zero, one, zero],
-                    [zero, zero, zero, one],
-                ]
-            )
-
-        def circle(t: arb) -> arb_mat:
-            """sigma = sigma0 + (u - omega rho) t, and -omega sigma for the velocity outward."""
-            scaled_t = t / ratio
-            row_sigma = [-scaled_omega * scaled_t, one, zero, scaled_t]
-            row_outward = [-scaled_omega * value for value in row_sigma]
-            row_outward[2] += 1
-            return arb_mat(
-                [[one, zero, zero, zero], row_sigma, row_outward, [zero, zero, zero, one]]
-            )
-
-        held = arb_mat(
-            [
-                [one, zero, zero, zero],
-                [zero, one, zero, zero],
-                [zero, -scaled_omega, zero, zero],
-                [zero, zero, zero, one],
-            ]
-        )
-        yield smooth(arb(0), arb_of(self.caught), straight, jump=held)
-        yield smooth(arb_of(self.caught), None, circle, instant_map=held)
-
-    def readings(self, t: arb) -> arb_mat:
-        """The matrix from errors outward and along the motion to those along the axes of space."""
-        since = t - arb_of(self.caught)
-        if since > 0:
-            angle = self.omega() * since
-        else:
-            angle = arb(0)
+        angle = self.omega() * since
         x, y = (arb_of(value) for value in self.place)
         distance = (x * x + y * y).sqrt()
         if self.spin > 0:
@@ -164,6 +111,99 @@ class CapturedMass(ClosedForm):
 
     def constants(self) -> dict[str, arb]:
         return {"omega": self.omega(), "inertia": arb_of(self.mass * self.spin**2 / self.speed2)}
+
+
+class CaptureGrowth:
+    """S of (x, y, vx, vy), by branch and bound over the times at which errors are made
+    (swept_growth.py).
+
+    Errors are in scales, (position outward, along the motion; velocity outward, along it), in the
+    frame of the capture and then in one that turns with the mass. With F(s) this frame and C(tau)
+    what errors become on the circle, an error made there at s has at t the answers F(t) C(t - s)
+    F(s)^T.
+
+    Of the times s at which the mass is at one place F(s) is the same, and C is affine: the sum of
+    absolute values of a row of answers is convex in s, and largest for the first or the last of
+    them. These lie in the first and in the last turn.
+    """
+
+    def __init__(self, motion: CapturedMass) -> None:
+        self.motion = motion
+        self.ratio = arb_of(motion.scale["x"] / motion.scale["vx"])
+        self.scaled_omega = abs(motion.omega()) * self.ratio
+        self.turn = upper(2 * arb.pi() / abs(motion.omega()))
+
+    def at(self, t: Fraction) -> float:
+        """The bound S(t) >= 1 on the growth of an error."""
+        caught = self.motion.caught
+        if t <= caught:
+            # Errors of velocity become errors of position, most of all those of the start.
+            return bounded(float((1 + arb_of(t) / self.ratio).upper()))
+        since = t - caught
+        frame = self.motion.frame(arb_of(since))
+        after_capture = frame * self.circle(arb_of(since))
+        spans = [Span(Fraction(0), caught, partial(grown, partial(self.of_flight, after_capture)))]
+        answers = partial(grown, partial(self.of_circle, frame, arb_of(since)))
+        if since <= 2 * self.turn:
+            spans.append(Span(Fraction(0), since, answers))
+        else:
+            spans.append(Span(Fraction(0), self.turn, answers))
+            spans.append(Span(since - self.turn, since, answers))
+        return largest_growth(spans)
+
+    def of_flight(self, after_capture: arb_mat, made: arb) -> arb_mat:
+        """The answers to an error made before closest approach, `made` [s] after the start."""
+        left = arb_of(self.motion.caught) - made
+        return after_capture * self.straight(left) * self.motion.frame(arb(0)).transpose()
+
+    def of_circle(self, frame: arb_mat, since: arb, made: arb) -> arb_mat:
+        """The answers, `since` [s] after closest approach, to an error `made` [s] after it."""
+        return frame * self.circle(since - made) * self.motion.frame(made).transpose()
+
+    def straight(self, t: arb) -> arb_mat:
+        """Errors of velocity become errors of position in the time t [s]."""
+        scaled_t = t / self.ratio
+        one = arb(1)
+        zero = arb(0)
+        return arb_mat(
+            [
+                [one, zero, scaled_t, zero],
+                [zero, one, zero, scaled_t],
+                [zero, zero, one, zero],
+                [zero, zero, zero, one],
+            ]
+        )
+
+    def circle(self, t: arb) -> arb_mat:
+        """What errors become on the circle in the time t [s].
+
+        An error rho outward is constant; sigma along the circle has the rate u - omega rho, u being
+        the error of the speed, which stays. The velocity outward that belongs to sigma is -omega
+        sigma: any other one the hook takes at once.
+        """
+        scaled_t = t / self.ratio
+        one = arb(1)
+        zero = arb(0)
+        row_sigma = [-self.scaled_omega * scaled_t, one, zero, scaled_t]
+        row_outward = [-self.scaled_omega * value for value in row_sigma]
+        return arb_mat([[one, zero, zero, zero], row_sigma, row_outward, [zero, zero, zero, one]])
+
+
+def grown(
+    answers: Callable[[arb], arb_mat], middle: Fraction, half: Fraction
+) -> tuple[list[arb], list[arb]]:
+    """The growth of each quantity for an error made at `middle` [s], and a bound of it for those
+    made at most `half` from there.
+
+    Growth is the sum of |answer| over errors of one scale in every coordinate.
+    """
+    times = arb_of(middle - half).union(arb_of(middle + half))
+    return sums_of_rows(answers(arb_of(middle))), sums_of_rows(answers(times))
+
+
+def sums_of_rows(matrix: arb_mat) -> list[arb]:
+    """The sum of absolute values in each row of a matrix."""
+    return [sum((abs(entry) for entry in row), arb(0)) for row in matrix.table()]
 
 
 def truth(p: Parameters, scale: Mapping[str, float]) -> Truth:

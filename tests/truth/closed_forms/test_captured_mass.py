@@ -58,7 +58,17 @@ def test_the_witness_sees(apart, fault):
 def test_an_error_of_the_start_grows_as_the_turns_that_follow():
     truth = truth_of("captured-mass")
     assert isinstance(truth, CapturedMass)
-    assert (
-        2.0 <= truth.sensitivity(Fraction(1)) <= 1.2 * 2**0.5 * 2.0
-    )  # x and vx, each by its scale
+    # Errors of the place and of the velocity, each by its scale.
+    assert truth.sensitivity(Fraction(1)) == pytest.approx(2, rel=1e-6)
     assert 10 < truth.sensitivity(Fraction(12)) < 100
+
+
+def test_s_is_told_for_components_along_the_axes_of_space():
+    """A radian after the catch, from errors of 1 in x, y, vx and vy at the start.
+
+    At the catch they are y + 2 vy inward and x + 2 vx along the circle; a radian later the error
+    along it is x + 3 vx + y + 2 vy, in the direction (cos 1, sin 1), and inward is (-sin 1, cos 1).
+    So y answers by sin 1 to x, 3 sin 1 to vx, sin 1 + cos 1 to y and twice that to vy.
+    """
+    largest = 4 * sin(1) + 3 * (sin(1) + cos(1))
+    assert truth_of("captured-mass").sensitivity(Fraction(3)) == pytest.approx(largest, rel=1e-6)
