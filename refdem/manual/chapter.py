@@ -129,7 +129,7 @@ def engines(item: Item) -> Iterator[str]:
     """The engines that can run an item: those with a method for a motion, installed or not, and of
     those installed the ones that answer the numbers of a question without time, or how many.
     """
-    for name in discovery.names("engines"):
+    for name in discovery.own_names("engines"):
         engine = discovery.engine(name)
         if not isinstance(item.instance.problem, Static):
             if _methods(engine, item.instance):

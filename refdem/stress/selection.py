@@ -78,5 +78,10 @@ def _on_other_case(ladder: Ladder, label: str) -> Ladder:
     if ladder.case == label:
         return ladder
     return replace(
-        ladder, name=f"{ladder.name.split(':')[0]}: {label}", case=label, promised="", basis=""
+        ladder,
+        name=f"{ladder.name.split(':')[0]}: {label}",
+        case=label,
+        promised="",
+        basis="",
+        exempt={},
     )

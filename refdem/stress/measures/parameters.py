@@ -5,6 +5,7 @@ conservation laws.
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from fractions import Fraction
+from types import MappingProxyType
 
 from refdem.core.case import Canonical, Instance
 from refdem.core.check import Check, Subject
@@ -47,6 +48,7 @@ def parameter_ladder(
     basis: str = "",
     samples: int = SAMPLES,
     needs_truth: bool = True,
+    exempt: Mapping[str, tuple[str, str]] = MappingProxyType({}),
     costly: bool = False,
 ) -> Ladder:
     """A ladder whose rungs are parameters of one case.
@@ -62,5 +64,6 @@ def parameter_ladder(
         measure=Parameters(given, samples=samples, needs_truth=needs_truth),
         promised=promised,
         basis=basis,
+        exempt=exempt,
         costly=costly,
     )
