@@ -36,10 +36,9 @@ NAMES = [
 def near(rng: random.Random, parameter: Parameter, value: Fraction) -> Fraction:
     """A number within a factor of 3 of a default, or of 1/4 where that is 0; inside the bounds."""
     found = (value or Fraction(1, 4)) * Fraction(rng.randint(300, 3000), 1000)
+    low: float | None = parameter.at_least
     if parameter.above is not None:
         low = parameter.above
-    else:
-        low = parameter.at_least
     if low is None and rng.random() < 0.3:
         found = -found
     if low is not None and found <= Fraction(repr(low)):
@@ -62,8 +61,11 @@ def drawn(rng: random.Random, parameter: Parameter, default: str) -> str:
     ).parsed(default)
     if isinstance(own, tuple):
         values = own
-    else:
+    elif isinstance(own, Fraction):
         values = (own,)
+    else:
+        # What is left out by default is drawn as what is 0 by default.
+        values = (Fraction(0),)
     if parameter.whole:
         return default
     return ",".join(str(near(rng, parameter, value)) for value in values)
