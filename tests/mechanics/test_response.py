@@ -38,12 +38,20 @@ def predicted_lines(eps: float) -> dict[str, complex]:
     def mixed(a: complex, b: complex, frequency: float) -> complex:
         return mixed_line(a, b, frequency, 1.0, DELTA, eps)
 
+    # Each drive alone shifts the mean and makes a line at its double.
+    shift_of_first = mixed(a1, a1.conjugate(), 0.0) / 2
+    shift_of_second = mixed(a2, a2.conjugate(), 0.0) / 2
+    double_of_first = mixed(a1, a1, 2 * w1) / 2
+    double_of_second = mixed(a2, a2, 2 * w2) / 2
+    # Both together make lines at their sum and their difference.
+    total = mixed(a1, a2, w1 + w2)
+    difference = mixed(a2, a1.conjugate(), w2 - w1)
     return {
-        "shift": (mixed(a1, a1.conjugate(), 0.0) + mixed(a2, a2.conjugate(), 0.0)) / 2,
-        "2w1": mixed(a1, a1, 2 * w1) / 2,
-        "2w2": mixed(a2, a2, 2 * w2) / 2,
-        "w1+w2": mixed(a1, a2, w1 + w2),
-        "w2-w1": mixed(a2, a1.conjugate(), w2 - w1),
+        "shift": shift_of_first + shift_of_second,
+        "2w1": double_of_first,
+        "2w2": double_of_second,
+        "w1+w2": total,
+        "w2-w1": difference,
     }
 
 
