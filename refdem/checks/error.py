@@ -239,9 +239,9 @@ def _error_from_halvings(
 
     With an error e(h) = C h^p the run changes by (2^p - 1) e(h/2) from h to h/2. So e(h/2) is at
     most PREDICTION_FACTOR times that change over 2^p - 1, whatever C is. Where terms of the last
-    change cancel, 2^-p times the change before may be larger, and is taken. In a smooth motion each
-    quantity has the bound that follows from its own changes, or from a part OWN_SHARE of the
-    largest of any quantity.
+    change cancel, 2^-p times the change before may be larger, and is taken. Each quantity has the
+    bound that follows from its own changes, or from a part OWN_SHARE of the largest of any
+    quantity.
 
     Where kinks scatter C from step to step, an error is still part of the change to either side of
     it, but may be nearly the same at both steps: the division by 2^p - 1 is left out, the changes
