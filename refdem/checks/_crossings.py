@@ -366,6 +366,27 @@ def is_impact(scene: Scene) -> bool:
     return is_alone and is_free and len(laws) == 1 and laws[0].law == "rigid"
 
 
+def is_impacts_alone(scene: Scene) -> bool:
+    """Nothing but impacts of spheres, with each other and with planes: between them bodies are
+    free, or fall after a start above all planes.
+    """
+    kinds: tuple[type, ...] = (Contact, Plane)
+    if _is_above_planes(scene):
+        kinds = (Contact, Plane, UniformGravity)
+    is_alone = all(isinstance(element, kinds) for element in scene.elements)
+    return is_alone and bool((scene.bodies.radius > 0).all())
+
+
+def _is_above_planes(scene: Scene) -> bool:
+    """No sphere touches a plane at the start; one that rests there carries a load."""
+    bodies = scene.bodies
+    for plane in scene.all(Plane):
+        height = (bodies.position - np.array(plane.point)) @ np.array(plane.normal)
+        if np.any(height <= bodies.radius + rounding(scene)):
+            return False
+    return True
+
+
 def closing_speed(scene: Scene) -> tuple[float, float]:
     """The closing speed [m/s] of an impact, by straight lines from the start, and how fast it
     changes before it [m/s^2].

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from refdem.checks._crossings import rounding
+from refdem.checks._crossings import is_impacts_alone
 from refdem.checks._lying import lies
 from refdem.core.balance import energy_scale, kinetic, kinetic_exchanged, mechanical
 from refdem.core.check import Check, CompletedRun, Subject
@@ -28,7 +28,6 @@ from refdem.core.work import fastest_drive, work_along
 from refdem.scene import Scene
 from refdem.scene.elements.contact import Contact
 from refdem.scene.elements.piecewise_field import PiecewiseField
-from refdem.scene.elements.plane import Plane
 from refdem.scene.elements.rod import Rod
 from refdem.scene.elements.rotating_dashpot import RotatingDashpot
 from refdem.scene.elements.spring import Spring
@@ -99,7 +98,7 @@ class Energy(Check):
                 "a drive does work on the system, and the method does not claim to account for it"
             )
         scene = subject.instance.scene
-        if "contact:rigid" not in scene.features or _is_impacts_alone(scene) or lies(scene):
+        if "contact:rigid" not in scene.features or is_impacts_alone(scene) or lies(scene):
             return None
         return "rigid contacts that carry a load have no potential energy"
 
@@ -383,27 +382,6 @@ def _of_samples(measured: Imbalance) -> str:
     if np.any(measured.uncertainty):
         return f", plus {INTEGRATED}"
     return ""
-
-
-def _is_impacts_alone(scene: Scene) -> bool:
-    """Nothing but impacts of spheres, with each other and with planes: between them bodies are
-    free, or fall after a start above all planes.
-    """
-    kinds: tuple[type, ...] = (Contact, Plane)
-    if _is_above_planes(scene):
-        kinds = (Contact, Plane, UniformGravity)
-    is_alone = all(isinstance(element, kinds) for element in scene.elements)
-    return is_alone and bool((scene.bodies.radius > 0).all())
-
-
-def _is_above_planes(scene: Scene) -> bool:
-    """No sphere touches a plane at the start; one that rests there carries a load."""
-    bodies = scene.bodies
-    for plane in scene.all(Plane):
-        height = (bodies.position - np.array(plane.point)) @ np.array(plane.normal)
-        if np.any(height <= bodies.radius + rounding(scene)):
-            return False
-    return True
 
 
 def _exchanged(subject: Subject, run: CompletedRun) -> Array:

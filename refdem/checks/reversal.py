@@ -10,6 +10,8 @@ from collections.abc import Mapping
 
 import numpy as np
 
+from refdem.checks._crossings import closing_speed, is_impact, is_impacts_alone
+from refdem.checks._impacts import listed
 from refdem.checks._kinks import may_straddle, straddled
 from refdem.checks.order import WHOLE
 from refdem.core.check import Check, CompletedRun, Subject
@@ -25,6 +27,7 @@ from refdem.core.judgement import (
     room_of,
     undecided,
 )
+from refdem.core.problem import Motion
 from refdem.core.refinement import HORIZON, clock, flight, kinked, of_far_places
 from refdem.core.trajectory import Trajectory
 from refdem.core.variant import Change, Variant
@@ -35,6 +38,10 @@ CANCELLING = 0.5
 SHARP = 1e-3
 """A bound on the return error, as a part of the scale, with which the finest level of the plan
 decides: a motion that came back so closely was reversed.
+"""
+STEPS_LATE = 2.0
+"""Steps by which fixed steps may be late for an impact: bodies that overlap at the end of one step
+may change their velocities in the next.
 """
 MAX_RETURN_HALVINGS = 4
 """Halvings of the finest step that are tried for the way back: errors grow on both ways, so a
@@ -54,8 +61,9 @@ class Reversal(Check):
         """Scenes without a direction of time, and methods whose final state is complete."""
         if not subject.instance.scene.is_reversible():
             return "the system gains or loses energy, so its motion is not reversible"
-        if "contact:rigid" in subject.instance.scene.features:
-            return "rigid contact forces at rest are not part of the state"
+        scene = subject.instance.scene
+        if "contact:rigid" in scene.features and not is_impacts_alone(scene):
+            return "rigid impacts of spheres with each other and with planes alone are run back"
         if subject.method.complete_state:
             return None
         return "the final state of the method is incomplete, so a run cannot be continued from it"
@@ -105,8 +113,15 @@ class Reversal(Check):
         """The return defect against its bound, and, for methods that are not reversible, the order
         with which it falls.
         """
-        if certified(subject) is None:
+        truth = certified(subject)
+        if truth is None:
             return [undecided(self.name, "return", no_truth(subject))]
+        if truth.until < len(subject.instance.times):
+            why = (
+                "no certified truth at the end, where the way back begins: what errors grow to by"
+                " then is not known"
+            )
+            return [undecided(self.name, "return", why)]
         level = _predictable_level(subject)
         if Variant(level, "reversed") not in runs:
             level = subject.levels[-1]
@@ -129,6 +144,9 @@ class Reversal(Check):
                 " longer than the predictability horizon"
             )
             return findings or [undecided(self.name, "return", why)]
+        too_soon = _meets_too_soon(subject, level, bound)
+        if too_soon:
+            return [undecided(self.name, "return", too_soon)]
         for variant in _both_ways(subject, level):
             if variant.goes_on:
                 findings.append(
@@ -145,6 +163,16 @@ class Reversal(Check):
                         ),
                     )
                 )
+        refusal = _refuses_negative_steps(subject)
+        if subject.method.backward and refusal is not None:
+            findings.append(
+                Finding(
+                    check=self.name,
+                    quantity="backward",
+                    outcome="unsupported",
+                    sentence=f"Steps backwards in time were not tried: {refusal}.",
+                )
+            )
         return findings
 
     def _order(
@@ -265,8 +293,52 @@ def _extrapolated_defect(
 
 
 def _is_exact(subject: Subject) -> bool:
-    """True if the way back undoes the way forward to round-off."""
-    return subject.method.reversible or subject.method.control == "exact"
+    """True if the way back undoes the way forward to round-off.
+
+    Steps that see an impact late see it late on the way back as well, at another place.
+    """
+    is_reversible = subject.method.reversible and not _sees_impacts_late(subject)
+    return is_reversible or subject.method.control == "exact"
+
+
+def _sees_impacts_late(subject: Subject) -> bool:
+    """True for fixed steps at whose ends rigid bodies are seen to have met."""
+    method = subject.method
+    is_late = method.control == "step" and not method.locates_events
+    return is_late and "contact:rigid" in subject.instance.scene.features
+
+
+def _meets_too_soon(subject: Subject, level: float, bound: float) -> str | None:
+    """None, or why a run back may end before it sees its last impact, the first one of the motion.
+
+    It then ends with the velocities of before that impact. An error of places, `bound` in units of
+    the length L, delays an impact by `bound` L over the closing speed.
+    """
+    if not _sees_impacts_late(subject):
+        return None
+    truth = certified(subject)
+    assert truth is not None
+    instance = subject.instance
+    impacts = listed(truth.scalars)
+    if impacts:
+        earliest = impacts[0].time - impacts[0].radius
+        closing = impacts[0].closing
+    elif is_impact(instance.scene) and "impact_time" in truth.scalars:
+        time, radius = truth.scalars["impact_time"]
+        earliest = time - radius
+        closing, _ = closing_speed(instance.scene)
+    else:
+        return "steps see impacts late, and truth does not say when the first one is"
+    if closing > 0:
+        delay = STEPS_LATE * level + bound * instance.scales.length / closing
+    else:
+        delay = math.inf
+    if earliest > delay:
+        return None
+    return (
+        f"the first impact, {earliest:.3g} s after the start, may come later than the end of the"
+        f" run back: steps of {level:.3g} s may be {delay:.3g} s late for it"
+    )
 
 
 def _claimed_defect(subject: Subject, level: float) -> float:
@@ -336,6 +408,9 @@ def _defect_from_observed_error(
     compared_level = _compared_level(subject, level)
     if truth.until < len(subject.instance.times):
         return math.inf
+    if _sees_impacts_late(subject):
+        # How late a step sees an impact is chance, and another on the way back.
+        return math.inf
     has_kinks = kinked(subject.instance, subject.method)
     if subject.method.control == "tolerance" and (has_kinks or compared_level == level):
         return math.inf
@@ -362,7 +437,7 @@ def _both_ways(subject: Subject, level: float) -> tuple[Variant, ...]:
     compared.
     """
     back: tuple[Change, ...] = ("reversed",)
-    if subject.method.backward:
+    if subject.method.backward and _refuses_negative_steps(subject) is None:
         back = ("reversed", "backward")
     variants = (
         Variant(level),
@@ -370,6 +445,12 @@ def _both_ways(subject: Subject, level: float) -> tuple[Variant, ...]:
         *(Variant(level, change) for change in back),
     )
     return tuple(dict.fromkeys(variants))
+
+
+def _refuses_negative_steps(subject: Subject) -> str | None:
+    """None, or why a method that steps backwards in time does not do so in this scene."""
+    instance = subject.instance
+    return subject.unsupported(Motion(instance.scene, instance.times[::-1]))
 
 
 def _compared_level(subject: Subject, level: float) -> float:

@@ -372,6 +372,8 @@ CLASH: Rows = (
     ("samples", "16"),
 )
 """Two unequal rigid spheres that meet off their line, without friction."""
+ELASTIC: Rows = (*CLASH, ("restitution", "1"))
+"""The same, and they part as fast as they came."""
 SPUN_CLASH: Rows = (*CLASH, ("spins", listed(*6 * [signed(0.5, 1)])))
 """The same with spins about all axes."""
 RUB: Rows = (
@@ -412,6 +414,8 @@ BREAK: Rows = (
     ("samples", "24"),
 )
 """A heavy cue ball that breaks a rack of three, besides the axis of symmetry."""
+ELASTIC_CRADLE: Rows = (*CRADLE, ("restitution", "1"))
+"""The same without a loss."""
 DROP: Rows = (
     ("mass", between(0.75, 1.5)),
     ("height", between(1, 2)),
@@ -423,6 +427,8 @@ DROP: Rows = (
     ("samples", "16"),
 )
 """A ball that is thrown sideways and slides in its first bounces."""
+ELASTIC_DROP: Rows = (*DROP, ("restitution", "1"), ("friction", "0"))
+"""The same without friction and without a loss."""
 SKID: Rows = (
     ("mass", between(0.75, 1.5)),
     ("radius", between(0.375, 0.75)),
@@ -579,11 +585,14 @@ SETTINGS: Mapping[str, Setting] = {
     "tumbling-spheres": Setting("two-spheres", TUMBLING_SPHERES, TOUCHING, proved=False),
     "unproved": Setting("van-der-pol", CYCLE, DAMPED, proved=False),
     "clash": Setting("hard-spheres", CLASH, TOUCHING),
+    "elastic": Setting("hard-spheres", ELASTIC, TOUCHING),
     "rub": Setting("hard-spheres", RUB, TOUCHING),
     "grip": Setting("hard-spheres", GRIP, TOUCHING),
     "rebound": Setting("hard-wall", REBOUND, TOUCHING),
     "cradle": Setting("newtons-cradle", CRADLE, TOUCHING),
     "break": Setting("billiard-break", BREAK, TOUCHING),
+    "elastic-cradle": Setting("newtons-cradle", ELASTIC_CRADLE, TOUCHING),
+    "elastic-drop": Setting("bouncing-ball", ELASTIC_DROP, TOUCHING),
     "drop": Setting("bouncing-ball", DROP, TOUCHING),
     "skid": Setting("rolling", SKID, TOUCHING),
     "ramp": Setting("rolling", RAMP, TOUCHING),

@@ -24,6 +24,7 @@ KINDS = (
     "engines.html",
     "cases/pendulum.html",
     "gallery/gallery.html",
+    "manual/chapter.html",
     "manual/index.html",
     "manual/stick-slip.html",
     "manual/top.html",

@@ -2,13 +2,17 @@
 that has no way back.
 """
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
+from msgspec.structs import replace as changed
 
 from refdem.campaign import plan
 from refdem.campaign.in_process import record_of, run_of, task_of, truth_of
-from refdem.checks.reversal import _defect
+from refdem.checks.reversal import CHECK, _defect, _meets_too_soon
 from refdem.core import discovery
+from refdem.core.check import Subject
 from refdem.core.variant import Variant
 from refdem.engines.reference import ENGINE
 from refdem.faults.change import of_columns, scaled
@@ -121,3 +125,97 @@ def test_the_way_back_may_add_what_the_way_there_is_seen_to_be_off_by(
     assert sound["reversed"].outcome == "pass"
     assert sound["reversed"].bound < least
     assert lost["reversed"].outcome == "fail", lost["reversed"].sentence
+
+
+ELASTIC = {"restitution": "1", "offset": "-1/4,0", "masses": "1,3", "radii": "1/2,3/4"}
+COLLISIONS = [
+    ("reference", "impacts", "hard-spheres", ELASTIC),
+    ("reference", "impacts", "newtons-cradle", {}),
+    ("reference", "impacts", "bouncing-ball", {"restitution": "1", "velocity": "1,-1"}),
+    ("pymunk", "semi-implicit-euler", "hard-spheres", ELASTIC),
+    ("pymunk", "semi-implicit-euler", "hard-wall", {"restitution": "1"}),
+    ("pymunk", "semi-implicit-euler", "bouncing-ball", {"restitution": "1", "velocity": "1,-1"}),
+    ("rebound", "leapfrog", "hard-spheres", ELASTIC),
+    ("rebound", "leapfrog-uncut", "hard-spheres", ELASTIC),
+    ("rebound", "leapfrog-line", "newtons-cradle", {}),
+]
+
+
+@pytest.mark.parametrize(("engine", "method", "case", "given"), COLLISIONS)
+def test_impacts_that_lose_nothing_run_back_and_a_loss_on_the_way_back_is_seen(
+    engine, method, case, given
+):
+    """Steps that see an impact late come back to their order; leapfrog claims to come back to
+    round-off, and does so where no impact is late.
+    """
+    engine = discovery.engine(engine)
+    if engine.missing():
+        pytest.skip(engine.missing())
+    instance = discovery.case(case).at(**given)
+    truth = truth_of(instance)
+    lossy = lossy_on_the_way_back(instance.scene.bodies, 0.75).carrier(engine)
+    tasks = [task_of(one, method, instance, truth, 4, ("reversal",)) for one in (engine, lossy)]
+    sound, lost = ({f.quantity: f for f in record_of(task).findings} for task in tasks)
+    assert sound["reversed"].outcome == "pass", sound["reversed"].sentence
+    assert lost["reversed"].outcome == "fail", lost["reversed"].sentence
+
+
+def test_spheres_of_rebound_do_not_collide_in_negative_steps_and_the_check_says_so():
+    engine = discovery.engine("rebound")
+    if engine.missing():
+        pytest.skip(engine.missing())
+    instance = discovery.case("hard-spheres").at(**ELASTIC)
+    task = task_of(engine, "leapfrog", instance, truth_of(instance), 4, ("reversal",))
+    (backward,) = (f for f in record_of(task).findings if f.quantity == "backward")
+    assert backward.outcome == "unsupported"
+    assert backward.sentence == (
+        "Steps backwards in time were not tried: the engine does not support collisions with"
+        " negative steps (its search skips the pairs that then come nearer)."
+    )
+
+
+@pytest.mark.parametrize(
+    ("case", "given", "reason"),
+    [
+        ("hard-spheres", {"restitution": "1", "friction": "1/4"}, "not reversible"),
+        ("hard-spheres", {"restitution": "1/2"}, "not reversible"),
+        ("newtons-first-law", {"member": "stack"}, "not reversible"),
+        ("granular-gas", {"contact": "rigid", "restitution": "1", "n": "64"}, "alone are run back"),
+    ],
+)
+def test_collisions_that_lose_energy_and_crowds_in_a_box_are_left_out_with_the_reason(
+    case, given, reason
+):
+    instance = discovery.case(case).at(**given)
+    method = ENGINE.best(instance.problem)
+    why = CHECK.applies(Subject(instance, method, (0.0,), None))
+    assert why is not None
+    assert reason in why
+
+
+def test_a_motion_that_is_certified_in_part_is_not_judged_on_its_way_back():
+    """What errors grow to by the end is not known there: any bound would be that of a shorter
+    motion.
+    """
+    instance = discovery.case("double-pendulum").at(**CHAOS)
+    whole = truth_of(instance)
+    part = changed(whole, until=len(instance.times) - 5)
+    task = task_of(ENGINE, "rod-chain", instance, part, 1, ("reversal",))
+    (finding,) = record_of(task).findings
+    assert finding.outcome == "undecided"
+    assert "no certified truth at the end" in finding.sentence
+
+
+def test_steps_that_may_end_before_they_see_the_first_impact_decide_nothing():
+    """The spheres of the way back meet a thousandth of a second before its end."""
+    given = {"restitution": "1", "offset": "0,0", "distance": "1001/1000"}
+    instance = discovery.case("hard-spheres").at(**given)
+    truth = truth_of(instance)
+    method = discovery.engine("reference").method("impacts")
+    late = replace(method, control="step", order=1, locates_events=False)
+    subject = Subject(instance, late, (1e-3,), truth)
+    why = _meets_too_soon(subject, 1e-3, 0.0)
+    assert why is not None
+    assert "may come later than the end of the run back" in why
+    assert _meets_too_soon(subject, 4e-4, 0.0) is None
+    assert _meets_too_soon(Subject(instance, method, (0.0,), truth), 0.0, 0.0) is None

@@ -76,6 +76,7 @@ def reason(problem: Motion, method: str) -> str | None:
         or _contact_reason(scene)
         or _method_reason(scene, method)
         or _edge_reason(scene, method)
+        or _time_reason(problem)
     )
 
 
@@ -182,6 +183,19 @@ def _method_reason(scene: Scene, method: str) -> str | None:
     if method == "whfast" and not (scene.elements and has_only_centres):
         return engine_cannot("a field other than one attracting centre")
     return None
+
+
+def _time_reason(problem: Motion) -> str | None:
+    """None, or that hard spheres do not collide while time runs backwards.
+
+    The search skips pairs whose velocities part them. With negative steps these are the pairs that
+    come nearer, so that spheres pass through each other.
+    """
+    if problem.interval >= 0 or "contact:rigid" not in problem.scene.features:
+        return None
+    return engine_cannot(
+        "collisions with negative steps (its search skips the pairs that then come nearer)"
+    )
 
 
 def _edge_reason(scene: Scene, method: str) -> str | None:

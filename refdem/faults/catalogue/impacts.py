@@ -159,6 +159,11 @@ def _none_if_slow(law: Any, inverse_mass: Any, closing: Any) -> Any:
     return impacts.normal_impulse(law, inverse_mass, closing)
 
 
+def _given_back_but_little(law: Any, inverse_mass: Any, closing: Any) -> Any:
+    """Spheres part a billionth slower than they came, whatever the restitution."""
+    return (1 + law.restitution - 1e-9) * closing / inverse_mass
+
+
 def _thin_air(request: Request, run: Trajectory) -> Trajectory:
     """Velocities lose 1e-8 of themselves in every second."""
     fade = np.exp(-1e-8 * (run.t - run.t[0]))
@@ -203,6 +208,13 @@ FAULTS = (
         sees=("error", "v1.x"),
         levels=5,
         before=of_elements(Contact, restitution=scaled(1 + 1e-6)),
+    ),
+    impact(
+        name="impact-has-no-way-back",
+        sentence="Every impact takes a billionth of the closing speed, on the way back as well.",
+        on=("elastic", "elastic-cradle", "elastic-drop"),
+        sees=("reversal", "reversed"),
+        inside=_of_impact(normal_impulse=_given_back_but_little),
     ),
     impact(
         name="impact-of-equal-masses",

@@ -257,6 +257,7 @@ FAULTS = (
     integrator(
         name="reversal-broken",
         sentence="Each kick rounds towards zero by one part in 1e11.",
+        on=("oscillator", "bounce", "hertz", "wedge"),
         sees=("reversal", "reversed"),
         inside=of_results(kicked=scaled(1 - 1e-11)),
     ),

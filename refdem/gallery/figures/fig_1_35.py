@@ -68,10 +68,12 @@ def angles_panel(name: str, t: Array, angles: list[Array], *, ink: int) -> Panel
     """The angles of two neighbours over the time."""
     first = Series(x=t, y=angles[0], ink=ink, width=2.0)
     second = Series(x=t, y=angles[1], ink=ink, dashed=True, width=1.5)
+    # Whole numbers: angles of a chaotic motion differ in late digits from run to run.
+    ends = (float(np.floor(np.min(angles))), float(np.ceil(np.max(angles))))
     return Panel(
         series=(first, second),
         x=Axis(title="t [s]"),
-        y=Axis(title="angle [rad]"),
+        y=Axis(title="angle [rad]", ends=ends),
         title=name,
         size=(370, 220),
     )
