@@ -8,6 +8,7 @@ displaced.
 """
 
 import random
+from collections.abc import Mapping
 from fractions import Fraction
 
 import pytest
@@ -28,29 +29,49 @@ NOT_ATTACKED = {
     "rotations": "no time",
 }
 
+NOTHING: Mapping[str, str] = {}
 ATTACKED = sorted(case for case in set(NAMES) - set(NOT_ATTACKED) if has_displaced_starts(case))
 MANY_LOOKS = max(16, LOOKS)
 """Times at which the largest growths are searched: impulses at a few do not show them."""
 SHARP = (
     "asymmetric-field",
+    "billiard-break",
     "billiards",
+    "bouncing-ball",
     "captured-mass",
     "coulomb-oscillator",
+    "coupled-pendulums",
     "dissipating-body",
     "double-pendulum",
     "driven-duffing",
     "driven-oscillator",
     "duffing",
+    "hard-wall",
     "harmonic-oscillator",
+    "heavy-top",
     "hertz-spheres",
     "kapitza-pendulum",
     "logistic",
+    "newtons-cradle",
+    "pendulum",
     "pendulum-equilibria",
+    "pendulum-wheel-mass",
+    "phase-flow",
+    "power-oscillator",
+    "quadratic-drag",
+    "quadratic-response",
+    "rolling",
+    "two-body-orbit",
+    "van-der-pol",
     "viscous-oscillator",
+    "wedge-collision",
+    "whirling-shaft",
 )
 """Cases without bodies whose largest growths are found: their attacks span all errors."""
 SHARP_LOOKS = max(32, LOOKS)
 """Times for those: where S rises fast the impulse that grows most is made in a short interval."""
+SHARP_AT = {"billiard-break": {"rows": "2"}}
+"""Settings of sharp attacks that leave so few coordinates that all are displaced: 4 balls of 16."""
 FEWEST = 39
 """Cases that are attacked, of those that are files of refdem itself."""
 
@@ -59,11 +80,13 @@ def test_no_case_drops_out_of_the_attack():
     assert len(ATTACKED) >= FEWEST
 
 
-def random_attack(case: str, number: int, looks: int = LOOKS) -> Attack:
-    """A case at a random setting, attacked in random directions."""
+def random_attack(
+    case: str, number: int, looks: int = LOOKS, fixed: Mapping[str, str] = NOTHING
+) -> Attack:
+    """A case at a random setting, but for what is fixed, attacked in random directions."""
 
     def made(rng: random.Random) -> Attack:
-        return Attack(case, written(case, settings(rng, case)), rng, looks=looks)
+        return Attack(case, written(case, settings(rng, case)) | fixed, rng, looks=looks)
 
     return first_accepted(case, number, made)
 
@@ -85,7 +108,8 @@ def test_s_of_a_body_is_at_most_1_4_times_the_largest_growth_that_is_found(case,
 @pytest.mark.parametrize("number", range(SETTINGS))
 @pytest.mark.parametrize("case", SHARP)
 def test_s_is_at_most_1_4_times_the_largest_growth_that_is_found(case, number):
-    assert random_attack(case, number, SHARP_LOOKS).overestimates() == []
+    attack = random_attack(case, number, SHARP_LOOKS, SHARP_AT.get(case, NOTHING))
+    assert attack.overestimates() == []
 
 
 def attack_in_the_middle(again: Again) -> Attack:
