@@ -51,6 +51,7 @@ SHARP = (
     "driven-duffing",
     "driven-oscillator",
     "duffing",
+    "hard-spheres",
     "hard-wall",
     "harmonic-oscillator",
     "heavy-top",
@@ -67,6 +68,7 @@ SHARP = (
     "quadratic-response",
     "rolling",
     "two-body-orbit",
+    "two-spheres",
     "van-der-pol",
     "viscous-oscillator",
     "wedge-collision",
@@ -110,7 +112,7 @@ def test_no_displacement_grows_by_more_than_s(case, number):
 
 
 @pytest.mark.parametrize("number", range(SETTINGS))
-@pytest.mark.parametrize("case", sorted(set(BODIES) - {"neglected-gyroscopic"}))
+@pytest.mark.parametrize("case", BODIES)
 def test_s_of_a_body_is_at_most_1_4_times_the_largest_growth_that_is_found(case, number):
     attack = random_attack(case, number, MANY_LOOKS)
     assert attack.violations() == []
@@ -220,7 +222,7 @@ def test_s_is_at_most_1_4_times_what_impulses_made_anew_grow_to(case, number):
 
 
 def test_s_after_a_release_is_what_impulses_just_after_it_grow_to():
-    """The mass is released at 7.4229 s. An error of 1 that is made before grows to 1.24 by 8.4375 s,
+    """The mass is released at 7.4229 s. By 8.4375 s an error of 1 made before it grows to 1.24,
     one made at 7.5 s to 24, one made just after the release to 55, and S is 55.7.
     """
     given = {"mu0": "0.502", "lambda0": "2.6128", "eta": "0.8328", "x0": "0.135", "gamma": "0"}
