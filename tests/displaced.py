@@ -14,6 +14,7 @@ from refdem.core import discovery
 from refdem.core.case import Instance
 from refdem.core.truth import Ball
 from refdem.truth.balls import arb_of, ball_of, precision
+from refdem.truth.closed_forms.phase_flow import PhaseFlow
 from refdem.truth.closed_forms.rigid_cluster import RigidCluster
 from refdem.truth.collision import Collision
 from refdem.truth.from_rest import FromRest
@@ -204,12 +205,30 @@ def clusters(truth: RigidCluster, starts: Sequence[Amounts]) -> list[Any]:
     ]
 
 
+def displaced_corners(instance: Instance, given: Mapping[str, str], truth: PhaseFlow) -> list[Any]:
+    """Truths of polygons of which one corner is elsewhere in phase space, in its place or its rate.
+
+    The centre moves all corners; each of them moves on its own.
+    """
+    found = []
+    for moved in by_parameters(instance, given, along_axes(2)):
+        for number, motion in enumerate(moved.motions):
+            one = copy(truth)
+            one.corners = [*truth.corners]
+            one.corners[number] = moved.corners[number]
+            one.motions = [*truth.motions]
+            one.motions[number] = motion
+            found.append(one)
+    return found
+
+
 def displaced_starts(
     instance: Instance, given: Mapping[str, str], truth: Any, rng: random.Random
 ) -> tuple[list[Amounts], list[Any]]:
     """The displacements of the start of a case at the setting `given`, and a truth for each.
 
-    Of spheres that touch, and of what is dropped, there is one for each coordinate and no other.
+    Of spheres that touch, of what is dropped, and of the corners of a polygon there is one for each
+    coordinate and no other.
     """
     case = instance.case.id
     if isinstance(truth, Collision):
@@ -217,6 +236,9 @@ def displaced_starts(
         return along_axes(len(moved)), moved
     if given.get("member") in DROPPED:
         moved = dropped_starts(instance, given, truth)
+        return along_axes(len(moved)), moved
+    if isinstance(truth, PhaseFlow):
+        moved = displaced_corners(instance, given, truth)
         return along_axes(len(moved)), moved
     if isinstance(truth, RigidCluster):
         starts = combinations(rng, 6)

@@ -87,7 +87,7 @@ class PhaseFlow(Guarded, Truth):
         for k, (x, v) in enumerate(corners):
             sizes = {self.place: scale[f"x_{k}"], self.rate: scale[f"v_{k}"]}
             if self.flow == "pendulum":
-                sizes |= {"x": float(p["length"]), "y": float(p["length"]), "rod_force": LARGEST}
+                sizes |= dict.fromkeys(("x", "y", "rod_force"), LARGEST)
             start = {f"{self.place}0": x, f"{self.rate}0": v}
             self.motions.append(form({**common, **start}, sizes))
 

@@ -96,3 +96,12 @@ def test_corners_move_as_their_oscillator_does_and_a_head_on_both_sides_has_no_a
     assert float(balls["v_1"].mid) == pytest.approx(-sine - 0.75 * cosine, rel=1e-15)
     with pytest.raises(NotCertifiedError):
         kite(corners=[(x, v + Fraction(3, 4)) for x, v in KITE]).at(Fraction(1))
+
+
+def test_s_of_pendulums_counts_their_angles_and_rates_alone():
+    """Places of the bobs are no quantities here: with scales of 4 rad and 4 rad/s an error grows by
+    exp(t) at most, to which S adds a seventh at most, while that of a place would count 4 rods at
+    once.
+    """
+    pendulums = truth({**GIVEN, "flow": "pendulum"}, KITE, dict.fromkeys(SCALE, 4.0))
+    assert 1 <= pendulums.sensitivity(Fraction(1, 16)) < 8 / 7 * exp(1 / 16)
