@@ -29,8 +29,6 @@ ROOT = Path(__file__).parents[1]
 # Behind what is installed: the tree has no kernels unless they are built in place.
 sys.path.append(str(ROOT))
 
-from refdem.campaign import in_process, plan, worker  # noqa: E402
-from refdem.campaign.specification import Specification  # noqa: E402
 from refdem.core import discovery, refinement  # noqa: E402
 from refdem.core.case import Case, Instance  # noqa: E402
 from refdem.core.engine import Engine, Method  # noqa: E402
@@ -39,6 +37,9 @@ from refdem.core.problem import Motion  # noqa: E402
 from refdem.core.selection import Selection  # noqa: E402
 from refdem.core.truth import SampledTruth  # noqa: E402
 from refdem.errors import UsageError  # noqa: E402
+from refdem.execution import worker  # noqa: E402
+from refdem.planning import in_process, plan  # noqa: E402
+from refdem.planning.specification import Specification  # noqa: E402
 from refdem.scene.elements.rod import Rod  # noqa: E402
 from tests.foreign.right.programs import PROGRAMS  # noqa: E402
 

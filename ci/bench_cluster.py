@@ -11,11 +11,11 @@ import argparse
 import statistics
 import time
 
-from refdem.campaign import remote, worker
-from refdem.campaign.cluster import Cluster
-from refdem.campaign.schedule import InProcess, Job, Schedule, Scheduler
 from refdem.core import discovery
 from refdem.core.problem import Request
+from refdem.execution import remote, worker
+from refdem.execution.cluster import Cluster
+from refdem.execution.schedule import InProcess, Job, Schedule, Scheduler
 
 LIMIT = 60.0
 """Seconds a run; none takes a hundredth of one."""

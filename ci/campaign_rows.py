@@ -12,11 +12,11 @@ from pathlib import Path
 import msgspec
 import pytest
 
-from refdem.campaign.campaign import Campaign
-from refdem.campaign.specification import Entry, Specification, named
 from refdem.core import discovery
 from refdem.core.finding import BROKEN, DECIDED, Record
 from refdem.core.store import Store, default_path
+from refdem.planning.campaign import Campaign
+from refdem.planning.specification import Entry, Specification, named
 
 MAIN = named("main")
 ENGINES = tuple(discovery.own_names("engines"))

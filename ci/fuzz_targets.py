@@ -21,7 +21,6 @@ import fuzz_documents as documents
 import msgspec
 
 import refdem.cli
-from refdem.campaign import deviations, exchange, required, specification
 from refdem.core import discovery
 from refdem.core.answer_csv import read_solids
 from refdem.core.finding import CampaignSheet, EngineSheet, Finding, Level, Record, Series
@@ -32,6 +31,7 @@ from refdem.core.trajectory_csv import read_trajectory
 from refdem.engines.external import sense
 from refdem.errors import RefdemError
 from refdem.gate import baseline
+from refdem.planning import deviations, exchange, required, specification
 from refdem.report import read_records, write_report
 from refdem.scene import Scene
 
@@ -333,11 +333,11 @@ def standing_in(folder: Path) -> Iterator[None]:
 
 
 WORK = [
-    "refdem.campaign.campaign.Campaign.sheets",
-    "refdem.campaign.smoke.smoke",
-    "refdem.campaign.kills.FaultTrial.matrix",
-    "refdem.campaign.certification.Certification.run",
-    "refdem.campaign.reproof.contradictions",
+    "refdem.planning.campaign.Campaign.sheets",
+    "refdem.smoke.battery.smoke",
+    "refdem.kills.trials.FaultTrial.matrix",
+    "refdem.certification.proofs.Certification.run",
+    "refdem.certification.reproof.contradictions",
     "refdem.cli.diagnose._trajectory",
     "refdem.bench.session.Bench.record",
     "refdem.bench.crowd.costs",

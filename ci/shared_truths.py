@@ -13,11 +13,11 @@ from pathlib import Path
 import msgspec
 import pytest
 
-from refdem.campaign import worker
-from refdem.campaign.kept_truth import kept_truth
-from refdem.campaign.truths import truth_key
 from refdem.core.case import Instance
 from refdem.core.truth import SampledTruth
+from refdem.execution import worker
+from refdem.planning.kept_truth import kept_truth
+from refdem.planning.truths import truth_key
 
 
 def proved_once(folder: Path, instance: Instance) -> SampledTruth:

@@ -12,7 +12,17 @@ from importlib import import_module
 from pathlib import PurePosixPath
 
 MAIN = ("origin/main", "origin/master", "main", "master")
-JUDGES = ("campaign", "core", "errors.py", "faults", "mechanics", "scene", "truth")
+JUDGES = (
+    "core",
+    "errors.py",
+    "execution",
+    "faults",
+    "kills",
+    "mechanics",
+    "planning",
+    "scene",
+    "truth",
+)
 """Parts of refdem that every fault goes through: settings, engine, truth, judgement."""
 
 

@@ -10,8 +10,6 @@ from functools import cached_property
 from html import escape
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-from refdem.campaign.campaign import Campaign
-from refdem.campaign.specification import Entry, Specification
 from refdem.cli.summary import lines
 from refdem.core.discovery import truth_of
 from refdem.core.engine import Method
@@ -22,6 +20,8 @@ from refdem.core.store import Store, default_path
 from refdem.errors import UsageError
 from refdem.gate import in_process
 from refdem.gate.own_step import OwnStep, Step
+from refdem.planning.campaign import Campaign
+from refdem.planning.specification import Entry, Specification
 from refdem.report import chart_data, charts
 from refdem.report.contents import contents_of
 from refdem.report.tables import Tables, tables

@@ -165,9 +165,9 @@ def by_check(records: "Iterable[Record]") -> "dict[str, list[Finding]]":
 
 
 def _campaign(name: str) -> "list[Sheet]":
-    from refdem.campaign.campaign import Campaign
-    from refdem.campaign.specification import named
     from refdem.core.store import Store, default_path
+    from refdem.planning.campaign import Campaign
+    from refdem.planning.specification import named
 
     return Campaign(named(name), Store(default_path()), os.cpu_count() or 1).sheets()
 

@@ -18,8 +18,8 @@ from file_times import FileTimes
 from hypothesis import HealthCheck, settings
 from shared_truths import SharedTruths
 
-from refdem.campaign import in_process
 from refdem.cli import main
+from refdem.planning import in_process
 
 # Examples depend on no clock (a busy machine is slow) and are the same in every run;
 # `ci/test-machines` asks for others.

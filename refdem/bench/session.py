@@ -22,13 +22,14 @@ from refdem.bench.peers import peers
 from refdem.bench.record import TARGETS, BenchRecord, Curve, Growth
 from refdem.bench.stability import stability_limit
 from refdem.bench.turns import Place
-from refdem.campaign import plan, worker
-from refdem.campaign.kept_truth import kept_truth
-from refdem.campaign.specification import Entry, Specification
 from refdem.core.case import Instance
 from refdem.core.engine import Engine, Method
 from refdem.core.truth import SampledTruth
 from refdem.errors import RefdemError, UsageError
+from refdem.execution import worker
+from refdem.planning import plan
+from refdem.planning.kept_truth import kept_truth
+from refdem.planning.specification import Entry, Specification
 
 
 @dataclass

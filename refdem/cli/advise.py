@@ -11,7 +11,7 @@ from refdem.cli import completion, options
 from refdem.errors import UsageError
 
 if TYPE_CHECKING:
-    from refdem.campaign.specification import Specification
+    from refdem.planning.specification import Specification
     from refdem.report.advice import Choice, Loss, Recommendation
     from refdem.report.contents import Contents
 
@@ -82,11 +82,11 @@ def asked(cases: list[str], pairs: list[str], motion: str) -> "Specification":
     """
     import msgspec
 
-    from refdem.campaign.specification import named
     from refdem.cli.run import asked_for
     from refdem.core import discovery
     from refdem.core.case import Canonical
     from refdem.core.parameters import nearest
+    from refdem.planning.specification import named
 
     if bool(cases) == bool(motion):
         raise UsageError(
@@ -148,10 +148,10 @@ def measured(
     """What a campaign of these cases measures, from the store where nothing has changed."""
     import msgspec
 
-    from refdem.campaign.campaign import Campaign
     from refdem.cli.progress import Progress
     from refdem.cli.run import workers
     from refdem.core.store import Store, default_path
+    from refdem.planning.campaign import Campaign
     from refdem.report.contents import contents_of
 
     chosen = msgspec.structs.replace(specification, engines=engines, checks=list(checks))

@@ -86,9 +86,9 @@ def command(
     """
     from refdem.bench.record import read
     from refdem.bench.session import Bench
-    from refdem.campaign.specification import Entry
     from refdem.cli.outputs import refuse_unwritable
     from refdem.core.parameters import labelled, settings
+    from refdem.planning.specification import Entry
 
     parameters = settings(set or [])
     entries = []

@@ -43,10 +43,10 @@ def command(
 
     Example: refdem certify --check
     """
-    from refdem.campaign.certification import Certification
-    from refdem.campaign.kept_truth import truth_folder
+    from refdem.certification.proofs import Certification
     from refdem.cli.progress import Progress
     from refdem.core.store import Store, default_path
+    from refdem.planning.kept_truth import truth_folder
 
     home = folder or truth_folder()
     if check:
@@ -64,7 +64,7 @@ def checked(folder: Path, cases: list[str], *, each: int, seed: str, jobs: int) 
     The hashes of all sets are checked. If they hold, sets of the cases (all, if none is named) are
     drawn by the seed, `each` of them for every case and method, and proved again.
     """
-    from refdem.campaign.reproof import contradictions, damaged, sample
+    from refdem.certification.reproof import contradictions, damaged, sample
     from refdem.cli.progress import Progress
     from refdem.truth.certified.reader import load
 
@@ -103,7 +103,7 @@ def _refuse_unknown(cases: list[str], known: set[str], folder: Path) -> None:
 
 def summary(folder: Path) -> str:
     """A sentence: how much the store holds, and which of its sets are stale."""
-    from refdem.campaign.certification import stale
+    from refdem.certification.proofs import stale
     from refdem.truth.certified.reader import load
 
     sets = load(folder=folder / "certified")

@@ -127,8 +127,8 @@ def diagnosed(
 
 def _trajectory(engine: "Engine", request: "Request") -> "Trajectory":
     """The engine's own run; raises EngineError if it has none to show."""
-    from refdem.campaign.in_process import run_of
     from refdem.errors import EngineError
+    from refdem.planning.in_process import run_of
 
     run = run_of(engine, request)
     if run.failure is not None:

@@ -13,10 +13,10 @@ def command() -> None:
     """
     import refdem
     from refdem import kernels
-    from refdem.campaign.specification import validation_folder
     from refdem.core import discovery
     from refdem.core.store import Store, default_path
     from refdem.errors import RefdemError
+    from refdem.planning.specification import validation_folder
 
     healthy = True
     print(

@@ -11,8 +11,8 @@ from refdem.cli import completion
 from refdem.core.outside import one_line
 
 if TYPE_CHECKING:
-    from refdem.campaign.plan import Task
     from refdem.core.case import Instance
+    from refdem.planning.plan import Task
 
 SKIPPED = {
     "rotation": "rotation (no body can rotate)",
@@ -53,15 +53,15 @@ def command(
 
     Example: refdem explain free-rigid-body --engine mujoco
     """
-    from refdem.campaign import plan
-    from refdem.campaign.schedule import Schedule
-    from refdem.campaign.specification import Entry, Specification
-    from refdem.campaign.truths import sampled_truths
     from refdem.cli.progress import Progress
     from refdem.cli.without_effect import sentences
     from refdem.core.parameters import labelled, settings
     from refdem.core.store import Store, default_path
     from refdem.errors import UsageError
+    from refdem.execution.schedule import Schedule
+    from refdem.planning import plan
+    from refdem.planning.specification import Entry, Specification
+    from refdem.planning.truths import sampled_truths
 
     if features and not case:
         print("\n".join(meanings()))

@@ -40,14 +40,14 @@ def command(
 
     Example: refdem export to-run free-rigid-body --engine refdem.toml
     """
-    from refdem.campaign.exchange import exported
-    from refdem.campaign.specification import Entry
     from refdem.cli.outputs import refuse_unwritable
     from refdem.cli.progress import Progress
     from refdem.core.parameters import labelled
     from refdem.core.store import Store, default_path
     from refdem.engines.external import load
     from refdem.gate.gate import supported
+    from refdem.planning.exchange import exported
+    from refdem.planning.specification import Entry
 
     tomls = engine or [Path("refdem.toml")]
     programs = [load(path) for path in tomls]
@@ -78,7 +78,7 @@ def command(
 
 def command_of(program: "External", folder: Path) -> str:
     """What runs a program elsewhere; one that stays alive reads all of its requests from a file."""
-    from refdem.campaign.exchange import requests_of
+    from refdem.planning.exchange import requests_of
 
     table = program.description.engine
     if not table.serve:

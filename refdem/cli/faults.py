@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 if TYPE_CHECKING:
-    from refdem.campaign.kills import Kill, Matrix
+    from refdem.kills.trials import Kill, Matrix
 
 
 def command(
@@ -34,11 +34,11 @@ def command(
     """
     import msgspec
 
-    from refdem.campaign.kills import FaultTrial
     from refdem.cli.progress import Progress
     from refdem.core import discovery
     from refdem.errors import EngineMissingError, UsageError
     from refdem.faults.catalogue import chosen
+    from refdem.kills.trials import FaultTrial
 
     if seeds < 1:
         raise UsageError(f"--seeds is {seeds}; expected a number >= 1")

@@ -17,11 +17,11 @@ def command(
 
     Example: refdem judge to-run --out report
     """
-    from refdem.campaign.exchange import judged
     from refdem.cli.outputs import refuse_unwritable
     from refdem.cli.progress import Progress
     from refdem.cli.summary import exit_status, lines
     from refdem.core.store import Store, default_path
+    from refdem.planning.exchange import judged
     from refdem.report import write_report
 
     refuse_unwritable(out)

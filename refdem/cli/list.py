@@ -109,8 +109,8 @@ def case(name: str) -> dict[str, Any]:
 
 def engine(name: str) -> dict[str, Any]:
     """An engine as JSON has it: with its methods and their claims."""
-    from refdem.campaign.sheets import claims
     from refdem.core import discovery
+    from refdem.planning.sheets import claims
 
     listed = discovery.engine(name)
     missing = listed.missing()

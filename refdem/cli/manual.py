@@ -20,12 +20,12 @@ def command(
     Example: refdem manual reports
     """
     import refdem
-    from refdem.campaign.kept_truth import truth_folder
     from refdem.cli.outputs import refuse_unwritable
     from refdem.gallery import gallery
     from refdem.manual import inputs
     from refdem.manual.chapter import lines
     from refdem.manual.pages import pages
+    from refdem.planning.kept_truth import truth_folder
     from refdem.report import write_manual
 
     refuse_unwritable(folder / "manual", "FOLDER")

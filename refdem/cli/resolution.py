@@ -48,14 +48,14 @@ def command(
     """
     import msgspec
 
-    from refdem.campaign import resolution
-    from refdem.campaign.plan import present
-    from refdem.campaign.specification import Entry, Specification, named
     from refdem.cli.outputs import refuse_unwritable
     from refdem.cli.progress import Progress
     from refdem.cli.run import workers
     from refdem.core.parameters import labelled
     from refdem.core.store import Store, default_path
+    from refdem.planning import resolution
+    from refdem.planning.plan import present
+    from refdem.planning.specification import Entry, Specification, named
     from refdem.report import resolution as page
 
     if bool(case) == bool(campaign):

@@ -11,8 +11,8 @@ from refdem.cli import completion, options
 from refdem.errors import UsageError
 
 if TYPE_CHECKING:
-    from refdem.campaign.specification import Specification
     from refdem.core.finding import Sheet
+    from refdem.planning.specification import Specification
 
 
 def command(
@@ -69,13 +69,13 @@ def command(
     """
     import msgspec
 
-    from refdem.campaign.campaign import Campaign
-    from refdem.campaign.plan import present
     from refdem.cli.outputs import refuse_unwritable
     from refdem.cli.progress import Progress
     from refdem.cli.summary import exit_status, lines, printed_json
     from refdem.cli.without_effect import of_settings
     from refdem.core.store import Store, default_path
+    from refdem.planning.campaign import Campaign
+    from refdem.planning.plan import present
     from refdem.report import resolution, write_report
 
     start = time.perf_counter()
@@ -117,8 +117,8 @@ def asked_for(cases: list[str], pairs: list[str], campaign: str) -> "Specificati
     """The cases named, with parameters, or the campaign, or those cases of it; raises UsageError
     for parameters without a case.
     """
-    from refdem.campaign.specification import Entry, Specification, named
     from refdem.core.parameters import labelled, settings
+    from refdem.planning.specification import Entry, Specification, named
 
     given = settings(pairs)
     if not cases and given:
@@ -178,8 +178,8 @@ def blessed(specification: "Specification", sheets: "list[Sheet]") -> list[str]:
     """Writes the lists of findings that a campaign must make, one an engine that ran; what changed,
     a line each.
     """
-    from refdem.campaign import required
     from refdem.core.finding import Record
+    from refdem.planning import required
 
     return required.written(specification, [sheet for sheet in sheets if isinstance(sheet, Record)])
 

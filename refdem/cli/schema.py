@@ -43,7 +43,7 @@ def command(
         "stress": Stress,
     }
     if what == "certified":
-        from refdem.campaign.kept_truth import truth_folder
+        from refdem.planning.kept_truth import truth_folder
 
         print((truth_folder() / "schema.json").read_text(), end="")
         return

@@ -10,9 +10,9 @@ def command(engine: Annotated[str, typer.Argument(help="The engine.")]) -> None:
 
     Example: refdem smoke mujoco
     """
-    from refdem.campaign.smoke import smoke
     from refdem.core import discovery
     from refdem.errors import EngineMissingError, UsageError
+    from refdem.smoke.battery import smoke
 
     chosen = discovery.engine(engine)
     if (reason := chosen.missing()) is not None:

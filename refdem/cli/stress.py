@@ -64,12 +64,12 @@ def command(
     """
     import msgspec
 
-    from refdem.campaign.specification import Entry
     from refdem.cli.outputs import refuse_unwritable
     from refdem.cli.progress import Progress
     from refdem.cli.run import workers
     from refdem.core.parameters import labelled
     from refdem.core.store import Store, default_path
+    from refdem.planning.specification import Entry
     from refdem.stress.selection import batteries
     from refdem.stress.session import Stress
     from refdem.stress.tables import lines

@@ -63,15 +63,15 @@ def command(
 
     Example: refdem sweep pendulum --set theta0=0.5,1,2 --engine reference --engine mujoco
     """
-    from refdem.campaign import grid
-    from refdem.campaign.campaign import Campaign
-    from refdem.campaign.plan import present
-    from refdem.campaign.specification import Entry, Specification
     from refdem.cli.outputs import refuse_unwritable
     from refdem.cli.progress import Progress
     from refdem.cli.run import workers
     from refdem.cli.summary import exit_status
     from refdem.core.store import Store, default_path
+    from refdem.planning import grid
+    from refdem.planning.campaign import Campaign
+    from refdem.planning.plan import present
+    from refdem.planning.specification import Entry, Specification
     from refdem.report import sweep
     from refdem.report.contents import contents_of
     from refdem.report.files import written

@@ -12,7 +12,7 @@ from refdem.errors import UsageError
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
-    from refdem.campaign.certified_list import CertifiedCase
+    from refdem.certification.listing import CertifiedCase
     from refdem.cli.progress import Watch
     from refdem.core.case import Instance
     from refdem.core.truth import Ball, Truth
@@ -178,8 +178,8 @@ def listed(case: str, as_json: bool) -> None:
     """
     import msgspec
 
-    from refdem.campaign.certified_list import certified_cases, in_all
-    from refdem.campaign.kept_truth import truth_folder
+    from refdem.certification.listing import certified_cases, in_all
+    from refdem.planning.kept_truth import truth_folder
     from refdem.truth import load
 
     only = []

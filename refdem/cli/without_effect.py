@@ -10,10 +10,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 if TYPE_CHECKING:
-    from refdem.campaign.specification import Specification
     from refdem.core.case import Instance
     from refdem.core.store import Store
     from refdem.core.truth import SampledTruth
+    from refdem.planning.specification import Specification
 
 PROOF = 5.0
 """Seconds that a proof may take which is made for this sentence alone."""
@@ -62,8 +62,8 @@ def unfelt(instance: "Instance", store: "Store") -> list[str]:
 
     Proofs are read from the store and kept there; one that takes longer than PROOF says nothing.
     """
-    from refdem.campaign.schedule import Schedule
-    from refdem.campaign.truths import sampled_truths
+    from refdem.execution.schedule import Schedule
+    from refdem.planning.truths import sampled_truths
 
     others = {
         name: other

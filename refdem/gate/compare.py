@@ -6,9 +6,9 @@ from collections.abc import Callable
 
 import msgspec
 
-from refdem.campaign.missing import with_missing
 from refdem.core.finding import DECIDED, Finding, Record
 from refdem.gate.baseline import Accepted
+from refdem.planning.missing import with_missing
 
 WORSE = 1.5
 """A finding is worse when its size grows by more than this factor: a method's error constant does

@@ -7,10 +7,6 @@ from pathlib import Path
 
 import msgspec
 
-from refdem.campaign.campaign import Campaign
-from refdem.campaign.resolution import measured
-from refdem.campaign.schedule import Progress
-from refdem.campaign.specification import Entry, Specification, named
 from refdem.core import discovery
 from refdem.core.engine import Engine
 from refdem.core.finding import DECIDED, Finding, Record, Sheet, findings_of
@@ -20,9 +16,13 @@ from refdem.core.selection import Selection
 from refdem.core.store import Store, default_path
 from refdem.engines.external import load
 from refdem.errors import EngineMissingError, UsageError
+from refdem.execution.schedule import Progress
 from refdem.gate import baseline, compare
 from refdem.gate.baseline import Accepted
 from refdem.gate.probing import LABEL, probe_records
+from refdem.planning.campaign import Campaign
+from refdem.planning.resolution import measured
+from refdem.planning.specification import Entry, Specification, named
 
 ULPS = (2, -2, 6)
 """Units in the last place by which the starts of reruns are moved, to see how much of a value is

@@ -4,8 +4,6 @@ import tempfile
 from collections.abc import Iterable
 from pathlib import Path
 
-from refdem.campaign.campaign import Campaign
-from refdem.campaign.specification import Entry, Specification
 from refdem.core import discovery
 from refdem.core.engine import Engine
 from refdem.core.finding import BROKEN, Record, findings_of
@@ -13,6 +11,8 @@ from refdem.core.parameters import labelled
 from refdem.core.store import Store
 from refdem.gate.gate import supported
 from refdem.gate.probing import probe_records
+from refdem.planning.campaign import Campaign
+from refdem.planning.specification import Entry, Specification
 
 
 def records(engine: Engine, cases: Iterable[str] = (), *, levels: int = 4) -> list[Record]:

@@ -2,10 +2,10 @@
 stale lists of neighbours, pairs across a periodic boundary, and fixed bodies.
 """
 
-from refdem.campaign.deviations import applied, of_engine
-from refdem.campaign.smoke import smoke
 from refdem.core.engine import Engine
 from refdem.core.finding import Record
+from refdem.planning.deviations import applied, of_engine
+from refdem.smoke.battery import smoke
 
 LABEL = "smoke"
 """The case and the label of the record, which no case of the catalogue has."""

@@ -18,7 +18,7 @@ WRITERS = (
     "manual/slips.py",
     "report/manual.py",
     "core/manual.py",
-    "campaign/certified_list.py",
+    "certification/listing.py",
 )
 
 

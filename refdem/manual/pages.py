@@ -4,15 +4,15 @@ from collections.abc import Iterator
 from fractions import Fraction
 from pathlib import Path
 
-from refdem.campaign import plan
-from refdem.campaign.certified_list import certified_case
-from refdem.campaign.specification import Specification
+from refdem.certification.listing import certified_case
 from refdem.core import discovery
 from refdem.core.case import Canonical, Instance
 from refdem.core.manual import CheckLine, ManualPage, ParameterLine, QuantityLine, TruthLine
 from refdem.core.selection import Selection
 from refdem.errors import NotCertifiedError
 from refdem.manual.slips import slips_of
+from refdem.planning import plan
+from refdem.planning.specification import Specification
 from refdem.truth.certified.reader import CertifiedSet, load
 from refdem.truth.witnesses.testimony import witnesses
 

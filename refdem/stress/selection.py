@@ -6,9 +6,9 @@ from functools import cache
 from importlib import import_module
 from pathlib import Path
 
-from refdem.campaign.specification import Entry
 from refdem.core.parameters import nearest
 from refdem.errors import UsageError
+from refdem.planning.specification import Entry
 from refdem.stress.ladder import Battery, Ladder
 
 FOLDER = Path(__file__).with_name("batteries")

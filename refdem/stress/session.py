@@ -13,10 +13,6 @@ import msgspec
 import numpy as np
 
 import refdem
-from refdem.campaign import judging, plan, truths, worker
-from refdem.campaign.plan import Task
-from refdem.campaign.schedule import InProcess, Job, Schedule, counted
-from refdem.campaign.specification import Specification
 from refdem.core.case import Instance
 from refdem.core.engine import Engine, Method
 from refdem.core.problem import Request
@@ -26,6 +22,11 @@ from refdem.core.trajectory import Trajectory
 from refdem.core.truth import SampledTruth
 from refdem.core.variant import Variant
 from refdem.errors import RefdemError
+from refdem.execution import worker
+from refdem.execution.schedule import InProcess, Job, Schedule, counted
+from refdem.planning import judging, plan, truths
+from refdem.planning.plan import Task
+from refdem.planning.specification import Specification
 from refdem.stress.ladder import Battery, Ladder
 from refdem.stress.record import Ask, Climb, Rung, StressRecord
 from refdem.stress.scenes import truth_here

@@ -6,13 +6,13 @@ from collections import defaultdict
 
 import pytest
 
-from refdem.campaign import plan
-from refdem.campaign.in_process import record_of, task_of, truth_of
-from refdem.campaign.specification import named
 from refdem.core import discovery
 from refdem.core.problem import Motion
 from refdem.core.statics import Static
 from refdem.faults.catalogue import chosen
+from refdem.planning import plan
+from refdem.planning.in_process import record_of, task_of, truth_of
+from refdem.planning.specification import named
 
 KEPT_BY_REST = {
     "angular-momentum": "what stands still keeps it",

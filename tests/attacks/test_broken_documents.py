@@ -7,12 +7,12 @@ from pathlib import Path
 
 import pytest
 
-from refdem.campaign import exchange, required, specification
 from refdem.core import discovery
 from refdem.core.problem import Request
 from refdem.core.store import Store
 from refdem.errors import RefdemError, SceneError, UsageError
 from refdem.gate import baseline
+from refdem.planning import exchange, required, specification
 from refdem.scene import Scene
 
 DEEP = b'{"a":' * 100_000

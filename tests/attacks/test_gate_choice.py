@@ -10,13 +10,13 @@ from pathlib import Path
 
 import pytest
 
-from refdem.campaign.in_process import record_of, task_of, truth_of
-from refdem.campaign.kills import WRONG, setting_at
 from refdem.core import discovery
 from refdem.core.engine import Engine
 from refdem.engines.external import load
 from refdem.faults.catalogue import chosen, faults
 from refdem.gate.gate import supported
+from refdem.kills.trials import WRONG, setting_at
+from refdem.planning.in_process import record_of, task_of, truth_of
 from tests.foreign.right.programs import PROGRAMS
 
 FOREIGN = Path(__file__).parents[1] / "foreign"

@@ -7,8 +7,6 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from refdem.campaign.in_process import record_of, task_of, truth_of
-from refdem.campaign.kills import FaultTrial
 from refdem.core import discovery
 from refdem.core.finding import Finding, Record
 from refdem.errors import UsageError
@@ -17,6 +15,8 @@ from refdem.faults.change import of_elements, scaled
 from refdem.faults.fault import Fault
 from refdem.faults.settings import SETTINGS
 from refdem.faults.transparent import Transparent
+from refdem.kills.trials import FaultTrial
+from refdem.planning.in_process import record_of, task_of, truth_of
 from refdem.scene.elements.spring import Spring
 
 SEED = 1

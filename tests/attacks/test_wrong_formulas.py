@@ -7,13 +7,13 @@ from math import pi
 
 import pytest
 
-from refdem.campaign.in_process import record_of, task_of, truth_of
 from refdem.cases.impact_benchmarks import MEMBERS
 from refdem.core import discovery
 from refdem.core.parameters import labelled
 from refdem.engines.reference import ENGINE
 from refdem.faults.change import of_bodies, of_elements, scaled
 from refdem.faults.fault import Fault
+from refdem.planning.in_process import record_of, task_of, truth_of
 from refdem.scene.elements.contact import Contact
 from refdem.scene.elements.dashpot import Dashpot
 from refdem.scene.elements.force import Force

@@ -5,11 +5,11 @@ spoils.
 import numpy as np
 import pytest
 
-from refdem.campaign.in_process import record_of, task_of, truth_of
 from refdem.cases import _solids
 from refdem.core import discovery
 from refdem.errors import UsageError
 from refdem.mechanics import freedom, mass_properties, quaternion, rotation
+from refdem.planning.in_process import record_of, task_of, truth_of
 from refdem.scene.shapes import Polyhedron
 from refdem.solvers import mass_properties as solid_solver
 from refdem.solvers import rotation_algebra

@@ -15,9 +15,9 @@ from refdem.bench.record import BenchRecord, Curve
 from refdem.bench.session import Bench
 from refdem.bench.stability import stability_limit
 from refdem.bench.tables import introduction, tables
-from refdem.campaign.specification import Entry
 from refdem.core import discovery
 from refdem.errors import UsageError
+from refdem.planning.specification import Entry
 
 REFERENCE = discovery.engine("reference")
 

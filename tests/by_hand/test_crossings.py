@@ -7,7 +7,6 @@ from math import exp, inf, pi, sqrt
 import numpy as np
 import pytest
 
-from refdem.campaign.in_process import truth_of
 from refdem.checks import _crossings, event_times
 from refdem.checks._crossings import Belt, Crossing
 from refdem.checks.event_times import CHECK
@@ -15,6 +14,7 @@ from refdem.core import discovery
 from refdem.core.check import Subject
 from refdem.core.quantity import Quantity
 from refdem.core.trajectory import Event
+from refdem.planning.in_process import truth_of
 from refdem.scene import Body, Sphere
 from refdem.scene.elements.contact import Contact
 from refdem.scene.elements.force import Force

@@ -7,9 +7,9 @@ from fractions import Fraction
 import numpy as np
 import pytest
 
-from refdem.campaign.in_process import record_of, task_of, truth_of
 from refdem.core import discovery
 from refdem.errors import UsageError
+from refdem.planning.in_process import record_of, task_of, truth_of
 from refdem.solvers import exact_slide
 from refdem.truth.closed_forms.block_on_slope import slides
 

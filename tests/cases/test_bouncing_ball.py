@@ -5,10 +5,10 @@ from fractions import Fraction
 import numpy as np
 import pytest
 
-from refdem.campaign.in_process import record_of, task_of, truth_of
 from refdem.core import discovery
 from refdem.engines.reference import ENGINE
 from refdem.errors import UsageError
+from refdem.planning.in_process import record_of, task_of, truth_of
 from refdem.scene.elements.uniform_gravity import UniformGravity
 
 CASE = discovery.case("bouncing-ball")

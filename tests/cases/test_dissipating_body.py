@@ -7,9 +7,9 @@ from fractions import Fraction
 import numpy as np
 import pytest
 
-from refdem.campaign.in_process import record_of, task_of, truth_of
 from refdem.core import discovery
 from refdem.core.problem import Request
+from refdem.planning.in_process import record_of, task_of, truth_of
 from refdem.scene.elements.internal_damping import InternalDamping
 from refdem.truth.witnesses.testimony import witnesses
 

@@ -7,13 +7,13 @@ import tracemalloc
 import numpy as np
 import pytest
 
-from refdem.campaign.sheets import LISTED, case_sheet
 from refdem.core import discovery
 from refdem.core.problem import Motion, Request
 from refdem.core.symmetry import NAMES, of
 from refdem.core.truth import SampledTruth
 from refdem.engines.reference import ENGINE
 from refdem.errors import UsageError
+from refdem.planning.sheets import LISTED, case_sheet
 from refdem.scene.bodies_file import MOST_LISTED
 from refdem.scene.elements.contact import Contact
 from refdem.scene.elements.periodic_box import PeriodicBox

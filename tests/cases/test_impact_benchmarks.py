@@ -5,12 +5,12 @@ parameters alone.
 import msgspec
 import pytest
 
-from refdem.campaign.in_process import record_of, task_of, truth_of
 from refdem.cases.impact_benchmarks import MEMBERS
 from refdem.core import discovery
 from refdem.core.parameters import labelled
 from refdem.core.problem import Motion
 from refdem.errors import UsageError
+from refdem.planning.in_process import record_of, task_of, truth_of
 
 REFERENCE = discovery.engine("reference")
 METHODS = {

@@ -5,13 +5,13 @@ from fractions import Fraction
 import numpy as np
 import pytest
 
-from refdem.campaign import plan
-from refdem.campaign.in_process import run_of, task_of, truth_of
 from refdem.core import discovery
 from refdem.core.judgement import errors
 from refdem.core.refinement import bound, scored
 from refdem.core.variant import Variant
 from refdem.engines.reference import ENGINE
+from refdem.planning import plan
+from refdem.planning.in_process import run_of, task_of, truth_of
 
 CASE = discovery.case("lorenz")
 

@@ -7,13 +7,13 @@ from fractions import Fraction
 import numpy as np
 import pytest
 
-from refdem.campaign.in_process import record_of, task_of, truth_of
 from refdem.core import discovery
 from refdem.core.problem import Request
 from refdem.engines.reference import ENGINE
 from refdem.errors import UsageError
 from refdem.faults.catalogue import chosen
 from refdem.faults.transparent import Transparent
+from refdem.planning.in_process import record_of, task_of, truth_of
 
 CASE = discovery.case("neglected-gyroscopic")
 FREE = CASE.at(duration="0.1", samples="8")

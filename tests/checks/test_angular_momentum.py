@@ -7,7 +7,6 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from refdem.campaign.in_process import record_of, task_of, truth_of
 from refdem.core import discovery
 from refdem.core.balance import torque_reason
 from refdem.core.check import CompletedRun, Subject
@@ -15,6 +14,7 @@ from refdem.core.engine import Method
 from refdem.core.problem import Request
 from refdem.core.trajectory import Cost, Trajectory
 from refdem.core.variant import Variant
+from refdem.planning.in_process import record_of, task_of, truth_of
 
 CHECK = discovery.check("angular-momentum")
 METHOD = Method(

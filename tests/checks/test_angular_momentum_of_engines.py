@@ -7,9 +7,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from refdem.campaign.in_process import record_of, task_of, truth_of
 from refdem.core import discovery
 from refdem.faults.fault import Fault
+from refdem.planning.in_process import record_of, task_of, truth_of
 
 OBLIQUE = {"masses": "1,3", "angle": "1/2", "damping": "0", "samples": "16"}
 

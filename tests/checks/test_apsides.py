@@ -8,11 +8,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from refdem.campaign.in_process import record_of, task_of
-from refdem.campaign.worker import no_truth
 from refdem.checks.apsides import fradkin, laplace, turned
 from refdem.core import discovery
 from refdem.engines.reference import ENGINE
+from refdem.execution.worker import no_truth
+from refdem.planning.in_process import record_of, task_of
 
 ORBITS = 10_000
 

@@ -8,10 +8,10 @@ from itertools import product
 import numpy as np
 import pytest
 
-from refdem.campaign.in_process import record_of, task_of, truth_of
 from refdem.checks._beside_impacts import _met_again
 from refdem.checks._crossings import Crossing
 from refdem.core import discovery
+from refdem.planning.in_process import record_of, task_of, truth_of
 from tests.checks.a_step_late import StepLate
 
 RESTITUTIONS = ("0", "1/2", "1")

@@ -7,13 +7,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from refdem.campaign.in_process import truth_of
 from refdem.core import discovery
 from refdem.core.check import CompletedRun, Subject
 from refdem.core.problem import Request
 from refdem.core.trajectory import Cost
 from refdem.core.variant import Variant
 from refdem.engines.reference import ENGINE
+from refdem.planning.in_process import truth_of
 
 CHECK = discovery.check("capture")
 

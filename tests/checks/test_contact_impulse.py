@@ -7,14 +7,14 @@ from functools import cache
 
 import pytest
 
-from refdem.campaign import plan
-from refdem.campaign.in_process import record_of, task_of, truth_of
-from refdem.campaign.specification import Specification
 from refdem.core import discovery
 from refdem.faults.catalogue import chosen
 from refdem.faults.change import of_elements, scaled
 from refdem.faults.fault import Fault
 from refdem.faults.transparent import Transparent
+from refdem.planning import plan
+from refdem.planning.in_process import record_of, task_of, truth_of
+from refdem.planning.specification import Specification
 from refdem.scene.elements.contact import Contact
 from tests.right_spheres import RightSpheres
 

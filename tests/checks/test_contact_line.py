@@ -4,7 +4,6 @@ says where no friction acts. The checks of energy and of event times judge the s
 
 import pytest
 
-from refdem.campaign.in_process import record_of, task_of, truth_of
 from refdem.checks._lying import lies
 from refdem.core import discovery
 from refdem.core.engine import Engine
@@ -12,6 +11,7 @@ from refdem.core.finding import Finding
 from refdem.engines.reference import ENGINE
 from refdem.faults.catalogue import chosen
 from refdem.faults.transparent import Transparent
+from refdem.planning.in_process import record_of, task_of, truth_of
 
 SHORT = {"samples": "16"}
 CASES = [

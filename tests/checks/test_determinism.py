@@ -5,7 +5,6 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from refdem.campaign.in_process import record_of, task_of, truth_of
 from refdem.core import discovery
 from refdem.core.problem import Request
 from refdem.core.trajectory import Trajectory
@@ -13,6 +12,7 @@ from refdem.engines.reference import ENGINE
 from refdem.errors import UsageError
 from refdem.faults.fault import Carrier, Fault
 from refdem.faults.transparent import Transparent
+from refdem.planning.in_process import record_of, task_of, truth_of
 
 GAS = {"n": "100", "duration": "1", "samples": "4"}
 

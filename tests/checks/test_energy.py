@@ -7,7 +7,6 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from refdem.campaign.in_process import record_of, task_of, truth_of
 from refdem.core import discovery
 from refdem.core.balance import energy_scale
 from refdem.core.check import Subject
@@ -15,6 +14,7 @@ from refdem.core.engine import Method
 from refdem.core.judgement import worst
 from refdem.faults.change import of_elements, scaled
 from refdem.faults.transparent import Transparent
+from refdem.planning.in_process import record_of, task_of, truth_of
 from refdem.scene.elements.dashpot import Dashpot
 from refdem.scene.elements.force import Force
 from refdem.scene.elements.spring import Spring

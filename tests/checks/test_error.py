@@ -7,11 +7,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from refdem.campaign.in_process import record_of, task_of, truth_of
 from refdem.checks.error import _cuts_steps
 from refdem.core import discovery
 from refdem.faults.change import of_elements, scaled
 from refdem.faults.fault import Fault
+from refdem.planning.in_process import record_of, task_of, truth_of
 from refdem.scene.elements.contact import Contact
 
 

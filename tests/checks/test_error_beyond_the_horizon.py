@@ -7,13 +7,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from refdem.campaign import plan
-from refdem.campaign.in_process import truth_of
-from refdem.campaign.specification import Specification
 from refdem.core import discovery
 from refdem.core.check import CompletedRun
 from refdem.core.refinement import scored
 from refdem.core.variant import Variant
+from refdem.planning import plan
+from refdem.planning.in_process import truth_of
+from refdem.planning.specification import Specification
 
 SPECIFICATION = Specification(name="test", case=[], levels=3, method="velocity-verlet")
 STIFF = {

@@ -10,7 +10,6 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from refdem.campaign.in_process import truth_of
 from refdem.checks._crossings import Crossing, crossings, shift
 from refdem.checks._shown_events import shown_events
 from refdem.checks.event_times import CHECK, interpolated
@@ -19,6 +18,7 @@ from refdem.core.check import CompletedRun, Subject
 from refdem.core.problem import Request
 from refdem.core.refinement import levels
 from refdem.core.trajectory import Cost, Event
+from refdem.planning.in_process import truth_of
 
 REFERENCE = discovery.engine("reference")
 TRUTHS = {}

@@ -2,11 +2,11 @@
 
 import pytest
 
-from refdem.campaign.in_process import record_of, task_of, truth_of
 from refdem.core import discovery
 from refdem.core.check import Subject
 from refdem.engines.reference import ENGINE
 from refdem.faults.catalogue import chosen
+from refdem.planning.in_process import record_of, task_of, truth_of
 from refdem.truth.sampled import sampled
 
 CHECK = discovery.check("flight")

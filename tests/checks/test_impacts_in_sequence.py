@@ -8,7 +8,6 @@ from functools import cache
 import numpy as np
 import pytest
 
-from refdem.campaign.in_process import record_of, task_of, truth_of
 from refdem.checks._impacts import dense_variant, listed, shortest_wait, windows
 from refdem.core import discovery
 from refdem.core.check import CompletedRun, Subject
@@ -20,6 +19,7 @@ from refdem.engines.reference import ENGINE
 from refdem.faults.catalogue import chosen
 from refdem.faults.fault import Fault
 from refdem.faults.transparent import Transparent
+from refdem.planning.in_process import record_of, task_of, truth_of
 
 MASSES = "1,2,1,3,1,1,1"
 EXCHANGE = ("newtons-cradle", (("samples", "32"),))

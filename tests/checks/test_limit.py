@@ -7,7 +7,6 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from refdem.campaign.in_process import record_of, task_of, truth_of
 from refdem.checks.limit import signed
 from refdem.core import discovery
 from refdem.core.judgement import PREDICTION_FACTOR
@@ -16,6 +15,7 @@ from refdem.engines.reference import ENGINE
 from refdem.faults.change import of_elements, scaled
 from refdem.faults.fault import Fault
 from refdem.faults.transparent import Transparent
+from refdem.planning.in_process import record_of, task_of, truth_of
 from refdem.scene.elements.central_field import CentralField
 from refdem.scene.elements.spring import Spring
 

@@ -9,9 +9,6 @@ import msgspec
 import numpy as np
 import pytest
 
-from refdem.campaign import plan
-from refdem.campaign.in_process import record_of, task_of, truth_of
-from refdem.campaign.specification import Specification
 from refdem.checks.order import (
     CHECK,
     _misfits,
@@ -32,6 +29,9 @@ from refdem.core.selection import Selection
 from refdem.core.trajectory import Cost, Trajectory
 from refdem.core.variant import Variant
 from refdem.faults.transparent import Transparent
+from refdem.planning import plan
+from refdem.planning.in_process import record_of, task_of, truth_of
+from refdem.planning.specification import Specification
 from tests.checks.conftest import subject, true_run
 from tests.handmade import all_runs
 

@@ -8,8 +8,6 @@ import numpy as np
 import pytest
 from msgspec.structs import replace as changed
 
-from refdem.campaign import plan
-from refdem.campaign.in_process import record_of, run_of, task_of, truth_of
 from refdem.checks.reversal import CHECK, _defect, _meets_too_soon
 from refdem.core import discovery
 from refdem.core.check import Subject
@@ -18,6 +16,8 @@ from refdem.engines.reference import ENGINE
 from refdem.faults.change import of_columns, scaled
 from refdem.faults.fault import Fault
 from refdem.faults.transparent import Transparent
+from refdem.planning import plan
+from refdem.planning.in_process import record_of, run_of, task_of, truth_of
 
 WAYS_BACK = [
     (ENGINE, "rk4", "harmonic-oscillator", {}, 4, 5),

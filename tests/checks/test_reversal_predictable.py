@@ -5,11 +5,11 @@ is.
 import numpy as np
 import pytest
 
-from refdem.campaign.in_process import record_of, task_of, truth_of
 from refdem.core import discovery
 from refdem.engines.reference import ENGINE
 from refdem.faults.change import of_columns, scaled
 from refdem.faults.fault import Fault
+from refdem.planning.in_process import record_of, task_of, truth_of
 
 
 @pytest.mark.parametrize(

@@ -7,7 +7,6 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from refdem.campaign.in_process import record_of, task_of, truth_of
 from refdem.core import discovery
 from refdem.core.check import CompletedRun, Subject
 from refdem.core.engine import Engine
@@ -16,6 +15,7 @@ from refdem.core.problem import Request
 from refdem.engines.reference import ENGINE
 from refdem.faults.catalogue import chosen
 from refdem.faults.transparent import Transparent
+from refdem.planning.in_process import record_of, task_of, truth_of
 
 NAME = "rigid-impact"
 SKEW = {"friction": "1/16", "spins": "1,2,3,-1,1/2,4", "offset": "1/2,1/3"}

@@ -7,10 +7,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from refdem.campaign import plan
-from refdem.campaign.in_process import record_of, truth_of
-from refdem.campaign.specification import Specification
 from refdem.core import discovery
+from refdem.planning import plan
+from refdem.planning.in_process import record_of, truth_of
+from refdem.planning.specification import Specification
 
 SLOW_END = {"mass": "1.42", "stiffness": "3.829", "friction_force": "0.378", "x0": "1.099"}
 

@@ -8,15 +8,15 @@ import msgspec
 import numpy as np
 import pytest
 
-from refdem.campaign import plan
-from refdem.campaign.in_process import record_of, truth_of
-from refdem.campaign.specification import Specification
 from refdem.checks.symmetry import Symmetry
 from refdem.core import discovery, symmetry
 from refdem.core.check import CompletedRun
 from refdem.faults.change import of_bodies, of_elements, single
 from refdem.faults.fault import Fault
 from refdem.mechanics.quaternion import product
+from refdem.planning import plan
+from refdem.planning.in_process import record_of, truth_of
+from refdem.planning.specification import Specification
 from refdem.scene.elements.spring import Spring
 from tests.handmade import all_runs
 from tests.right_spheres import RightSpheres

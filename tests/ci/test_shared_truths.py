@@ -6,9 +6,10 @@ import msgspec
 import pytest
 from shared_truths import SharedTruths, proved_once
 
-from refdem.campaign import in_process, truths, worker
 from refdem.core import discovery
 from refdem.core.case import Instance
+from refdem.execution import worker
+from refdem.planning import in_process, truths
 
 
 @pytest.fixture

@@ -6,10 +6,10 @@ import json
 
 from typer.testing import CliRunner
 
-from refdem.campaign.kills import Alarm, Matrix
 from refdem.cli.app import app
 from refdem.cli.faults import lines
 from refdem.errors import UsageError
+from refdem.kills.trials import Alarm, Matrix
 
 
 def command(*arguments):

@@ -8,10 +8,10 @@ from typing import Any
 import pytest
 from typer.testing import CliRunner
 
-from refdem.campaign import cluster
 from refdem.cli import progress
 from refdem.cli.app import app
 from refdem.errors import ClusterError, UsageError
+from refdem.execution import cluster
 
 SHORT = ("sweep", "pendulum[duration=2 samples=8]", "--engine", "reference", "--jobs", "1")
 

@@ -11,7 +11,7 @@ from pathlib import Path
 
 import pytest
 
-from refdem.campaign.kept_truth import truth_folder
+from refdem.planning.kept_truth import truth_folder
 
 Run = Callable[..., "subprocess.CompletedProcess[str]"]
 WITHOUT_COLOUR = os.environ | {"NO_COLOR": "1", "COLUMNS": "400"}

@@ -26,12 +26,12 @@ ASSASSIN = Path(__file__).with_name("assassin.py")
 PATIENCE = 120.0
 """Seconds within which processes end, on any machine."""
 MOMENTS = {
-    "before it has read anything": "refdem.campaign.specification:named#1",
-    "while it plans": "refdem.campaign.plan:tasks_of#1",
+    "before it has read anything": "refdem.planning.specification:named#1",
+    "while it plans": "refdem.planning.plan:tasks_of#1",
     "while it keeps a truth": "refdem.core.store:Store.put_truth#1",
     "while it keeps a run": "refdem.core.store:Store.put#4",
-    "while it judges": "refdem.campaign.judging:record#1",
-    "while it keeps the campaign": "refdem.campaign.unchanged:keep#1",
+    "while it judges": "refdem.planning.judging:record#1",
+    "while it keeps the campaign": "refdem.planning.unchanged:keep#1",
     "when it begins its report": "refdem.report.writing:written#1",
     "between two files of its report": "refdem.report.writing:written#6",
     "as it puts a file there": "pathlib:Path.replace#3",

@@ -10,9 +10,9 @@ from pathlib import Path
 
 import pytest
 
-from refdem.campaign.exchange import MANIFEST
 from refdem.cli.summary import VOID, exit_status, lines
 from refdem.core.finding import Finding, Record
+from refdem.planning.exchange import MANIFEST
 
 Run = Callable[..., "subprocess.CompletedProcess[str]"]
 

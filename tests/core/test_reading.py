@@ -9,14 +9,14 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from refdem.campaign.exchange import Manifest
-from refdem.campaign.exchange import read as manifest_in
-from refdem.campaign.specification import Specification, named
 from refdem.core.reading import MOST_BYTES, content, json_as, toml_as
 from refdem.engines.external.description import Description
 from refdem.engines.external.sense import read
 from refdem.errors import UsageError
 from refdem.gate import baseline
+from refdem.planning.exchange import Manifest
+from refdem.planning.exchange import read as manifest_in
+from refdem.planning.specification import Specification, named
 
 TOML = b"""
 [engine]

@@ -3,7 +3,6 @@
 import numpy as np
 import pytest
 
-from refdem.campaign.in_process import truth_of
 from refdem.core import discovery
 from refdem.core.engine import Method
 from refdem.core.refinement import (
@@ -17,6 +16,7 @@ from refdem.core.refinement import (
     truncation,
 )
 from refdem.errors import UsageError
+from refdem.planning.in_process import truth_of
 
 
 @pytest.fixture

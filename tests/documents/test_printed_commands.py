@@ -10,12 +10,12 @@ from typing import Any
 import pytest
 import typer
 
-from refdem.campaign import plan
-from refdem.campaign.specification import Specification
 from refdem.cli.app import app
 from refdem.cli.run import asked_for
 from refdem.core import discovery
 from refdem.gallery.gallery import names as figures
+from refdem.planning import plan
+from refdem.planning.specification import Specification
 from refdem.stress.selection import names as batteries
 
 ROOT = Path(__file__).parents[2]

@@ -8,14 +8,14 @@ from pathlib import Path
 import pytest
 from msgspec.structs import replace
 
-from refdem.campaign import plan
-from refdem.campaign.in_process import truth_of
-from refdem.campaign.resolution import CLOSE, resolution
-from refdem.campaign.specification import named
 from refdem.core import discovery
 from refdem.core.outside import markdown_text
 from refdem.core.parameters import labelled
 from refdem.core.problem import Motion
+from refdem.planning import plan
+from refdem.planning.in_process import truth_of
+from refdem.planning.resolution import CLOSE, resolution
+from refdem.planning.specification import named
 
 PAGE = (Path(__file__).parents[2] / "reports" / "resolution.md").read_text()
 SECTIONS = {

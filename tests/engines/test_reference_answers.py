@@ -10,9 +10,9 @@ is not in that file is new and has tests of its own; here only some method must 
 import csv
 from pathlib import Path
 
-from refdem.campaign import plan
-from refdem.campaign.specification import named
 from refdem.engines.reference import ENGINE
+from refdem.planning import plan
+from refdem.planning.specification import named
 
 TESTS = Path(__file__).parents[1]
 KEPT = Path(__file__).with_name("answers.csv")

@@ -9,7 +9,6 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from refdem.campaign.in_process import record_of, task_of, truth_of
 from refdem.core import discovery
 from refdem.core.problem import Motion, Request
 from refdem.errors import UnsupportedError
@@ -21,6 +20,7 @@ from refdem.faults.sound import SOUND
 from refdem.faults.steps import rates
 from refdem.faults.transparent import Transparent
 from refdem.faults.world import start_of, world_of
+from refdem.planning.in_process import record_of, task_of, truth_of
 from refdem.scene import Body, Scene
 from refdem.scene.elements.ball_joint import BallJoint
 from refdem.scene.elements.rod import Rod

@@ -3,8 +3,6 @@
 import numpy as np
 import pytest
 
-from refdem.campaign.in_process import record_of, task_of, truth_of
-from refdem.campaign.specification import named
 from refdem.core import discovery
 from refdem.core.problem import Request
 from refdem.engines.reference import ENGINE
@@ -13,6 +11,8 @@ from refdem.faults.change import of_bodies, of_elements
 from refdem.faults.fault import Carrier, Fault
 from refdem.faults.transparent import Transparent
 from refdem.gate.gate import supported
+from refdem.planning.in_process import record_of, task_of, truth_of
+from refdem.planning.specification import named
 from refdem.scene import Scene
 from refdem.scene.elements.contact import Contact
 from refdem.scene.elements.plane import Plane

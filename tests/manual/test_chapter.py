@@ -9,14 +9,14 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from refdem.campaign.in_process import record_of, task_of, truth_of
-from refdem.campaign.kills import FaultTrial
 from refdem.core import discovery
 from refdem.core.selection import Selection
 from refdem.faults.catalogue import chosen
 from refdem.faults.settings import SETTINGS
 from refdem.gallery import gallery
+from refdem.kills.trials import FaultTrial
 from refdem.manual.chapter import SPOILED, cited, engines, items, lines, named
+from refdem.planning.in_process import record_of, task_of, truth_of
 from refdem.report.manual import chapter_markdown
 
 ITEMS = items()

@@ -6,8 +6,8 @@ from pathlib import Path
 
 import pytest
 
-from refdem.campaign.kept_truth import truth_folder
 from refdem.manual import inputs
+from refdem.planning.kept_truth import truth_folder
 
 PAGES = Path(__file__).parents[2] / "reports" / "manual"
 

@@ -10,8 +10,8 @@ import os
 
 import pytest
 
-from refdem.campaign.kills import FaultTrial, Matrix
 from refdem.faults.catalogue import chosen
+from refdem.kills.trials import FaultTrial, Matrix
 
 SEEDS = 10
 ASKED = os.environ.get("REFDEM_FAULTS", "")

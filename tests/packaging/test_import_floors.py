@@ -11,7 +11,7 @@ import pytest
 
 ROOT = Path(__file__).parents[2]
 PLANTED = [
-    ("core/quantity.py", "refdem.campaign", "Imports point down the floors"),
+    ("core/quantity.py", "refdem.planning", "Imports point down the floors"),
     ("truth/balls.py", "refdem.mechanics.quaternion", "Truth shares no code with what it judges"),
     ("truth/balls.py", "refdem.core.case", "Truth shares no code with what it judges"),
     ("cases/pendulum.py", "refdem.kernels", "Cases know no engine and no check"),

@@ -9,15 +9,15 @@ import msgspec
 import numpy as np
 import pytest
 
-from refdem.campaign import judging, plan
-from refdem.campaign.in_process import run_of, task_of, truth_of
-from refdem.campaign.worker import no_truth
 from refdem.checks.lyapunov import Lyapunov
 from refdem.core import discovery
 from refdem.core.judgement import errors
 from refdem.core.refinement import bound, scored
 from refdem.core.trajectory import Trajectory
 from refdem.engines.reference import ENGINE
+from refdem.execution.worker import no_truth
+from refdem.planning import judging, plan
+from refdem.planning.in_process import run_of, task_of, truth_of
 
 SHORT = [
     ("stick-slip", {"duration": "40", "samples": "80"}),

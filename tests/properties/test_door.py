@@ -11,8 +11,8 @@ import numpy as np
 import pytest
 
 import refdem
-from refdem.campaign.reproof import given_of
 from refdem.cases.impact_benchmarks import MEMBERS
+from refdem.certification.reproof import given_of
 from refdem.core import discovery
 from refdem.core.parameters import Parameters
 from refdem.core.selection import Selection

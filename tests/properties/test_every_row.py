@@ -14,8 +14,6 @@ import msgspec
 import numpy as np
 import pytest
 
-from refdem.campaign import deviations, in_process, plan
-from refdem.campaign.specification import Specification, named
 from refdem.core import discovery
 from refdem.core.case import Canonical, Case, Instance
 from refdem.core.engine import Engine
@@ -23,6 +21,8 @@ from refdem.core.finding import Finding, Record
 from refdem.core.parameters import Parameter
 from refdem.core.selection import Selection
 from refdem.errors import UsageError
+from refdem.planning import deviations, in_process, plan
+from refdem.planning.specification import Specification, named
 
 REFERENCE = discovery.engine("reference")
 SHORT = Specification(name="every row", case=[], levels=3, most_steps=1e4)

@@ -4,10 +4,10 @@ in the reference.
 
 import pytest
 
-from refdem.campaign import in_process, plan
-from refdem.campaign.specification import Specification
 from refdem.core import discovery
 from refdem.errors import UsageError
+from refdem.planning import in_process, plan
+from refdem.planning.specification import Specification
 
 SPECIFICATION = Specification(name="held out", case=[], levels=3, most_steps=3e4)
 

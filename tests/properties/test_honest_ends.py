@@ -7,7 +7,7 @@ from fractions import Fraction
 import pytest
 from flint import arb
 
-from refdem.campaign.reproof import given_of
+from refdem.certification.reproof import given_of
 from refdem.core import discovery
 from refdem.errors import NotCertifiedError
 from refdem.truth import load

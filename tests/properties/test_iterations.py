@@ -7,10 +7,6 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from refdem.campaign import judging, plan
-from refdem.campaign.in_process import record_of, run_of, task_of, truth_of
-from refdem.campaign.kills import FaultTrial
-from refdem.campaign.specification import Entry, Specification
 from refdem.checks.bounces import wall
 from refdem.core import discovery
 from refdem.core.judgement import distances, errors
@@ -20,7 +16,11 @@ from refdem.core.selection import Selection
 from refdem.core.variant import Variant
 from refdem.engines.reference import ENGINE
 from refdem.faults.catalogue import chosen
+from refdem.kills.trials import FaultTrial
 from refdem.mechanics.stability import growth
+from refdem.planning import judging, plan
+from refdem.planning.in_process import record_of, run_of, task_of, truth_of
+from refdem.planning.specification import Entry, Specification
 from refdem.scene.elements.rod import Rod
 
 CHAOTIC = [("logistic", {"eta": "4", "x0": "1/3"}), ("billiards", {"n": "48"})]

@@ -11,7 +11,7 @@ from fractions import Fraction
 
 import pytest
 
-from refdem.campaign.reproof import given_of
+from refdem.certification.reproof import given_of
 from refdem.core.truth import Ball
 from refdem.errors import NotCertifiedError
 from refdem.truth import load

@@ -8,12 +8,12 @@ from fractions import Fraction
 import numpy as np
 import pytest
 
-from refdem.campaign.in_process import record_of, task_of
-from refdem.campaign.kills import WITHHELD
 from refdem.core import discovery
 from refdem.engines.reference import ENGINE
 from refdem.faults.change import of_elements, scaled
 from refdem.faults.fault import Fault
+from refdem.kills.trials import WITHHELD
+from refdem.planning.in_process import record_of, task_of
 from refdem.scene.elements.contact import Contact
 
 SETTINGS = 64

@@ -8,12 +8,12 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from refdem.campaign.in_process import record_of, task_of, truth_of
 from refdem.cases import _solids
 from refdem.core import discovery
 from refdem.core.problem import Request
 from refdem.mechanics import rotation
 from refdem.mechanics.mass_properties import of_polyhedron
+from refdem.planning.in_process import record_of, task_of, truth_of
 from refdem.scene import box
 from tests.rationals import hamilton
 

@@ -9,10 +9,10 @@ import msgspec
 import numpy as np
 import pytest
 
-from refdem.campaign.exchange import written
 from refdem.core import discovery
 from refdem.core.problem import Motion, Request
 from refdem.errors import SceneError
+from refdem.planning.exchange import written
 from refdem.scene import Bodies, Point, Scene, Sphere, bodies_file, box
 from refdem.scene.elements.uniform_gravity import UniformGravity
 

@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 from msgspec.structs import replace
 
-from refdem.campaign.in_process import truth_of
 from refdem.core import discovery
 from refdem.core.problem import Motion, Request
 from refdem.engines.reference import ENGINE
 from refdem.errors import EngineError
+from refdem.planning.in_process import truth_of
 from refdem.scene import Body, Scene
 from refdem.scene.elements.rod import Rod
 from refdem.scene.elements.spring import Spring

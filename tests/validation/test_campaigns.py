@@ -7,8 +7,6 @@ from itertools import chain
 
 import pytest
 
-from refdem.campaign import plan
-from refdem.campaign.specification import Specification, named
 from refdem.cases.impact_benchmarks import MEMBERS
 from refdem.core import discovery
 from refdem.core.case import Canonical, Instance
@@ -16,6 +14,8 @@ from refdem.core.engine import Engine
 from refdem.core.parameters import Parameter
 from refdem.core.selection import Selection
 from refdem.errors import UsageError
+from refdem.planning import plan
+from refdem.planning.specification import Specification, named
 
 ENGINES = [
     name

@@ -5,11 +5,11 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from fractions import Fraction
 
-from refdem.campaign.plan import Task
 from refdem.core.case import Canonical, Instance
 from refdem.core.engine import Engine, Method
 from refdem.core.problem import Motion, Request
 from refdem.core.variant import Variant
+from refdem.planning.plan import Task
 from refdem.stress.measures.measure import Measure
 
 

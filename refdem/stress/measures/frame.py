@@ -10,8 +10,6 @@ from fractions import Fraction
 import numpy as np
 from numpy.typing import NDArray
 
-from refdem.campaign import plan
-from refdem.campaign.plan import Task
 from refdem.checks.symmetry import allowed, growth_of, level_for
 from refdem.core import refinement, symmetry
 from refdem.core.case import Canonical, Instance
@@ -24,6 +22,8 @@ from refdem.core.refinement import scored
 from refdem.core.symmetry import Symmetry
 from refdem.core.trajectory import Trajectory
 from refdem.core.variant import Change, Variant
+from refdem.planning import plan
+from refdem.planning.plan import Task
 from refdem.stress.measures.measure import LEVELS, MOST_STEPS, Measure
 
 Array = NDArray[np.float64]

@@ -6,8 +6,6 @@ from abc import ABC, abstractmethod
 from collections.abc import Mapping
 from fractions import Fraction
 
-from refdem.campaign import plan
-from refdem.campaign.plan import Task
 from refdem.core import discovery, refinement
 from refdem.core.case import Canonical, Instance
 from refdem.core.check import Check, Subject
@@ -15,6 +13,8 @@ from refdem.core.engine import Engine, Method
 from refdem.core.problem import Request
 from refdem.core.truth import SampledTruth
 from refdem.core.variant import Variant
+from refdem.planning import plan
+from refdem.planning.plan import Task
 
 LEVELS = 3
 """Levels of refinement, of which the last is run: its bound is tighter than the first level's."""

@@ -8,9 +8,6 @@ from pathlib import Path
 
 import pytest
 
-from refdem.campaign import unchanged
-from refdem.campaign.campaign import Campaign
-from refdem.campaign.specification import Entry, Specification
 from refdem.core import discovery
 from refdem.core.finding import CampaignSheet
 from refdem.core.store import Store
@@ -24,6 +21,9 @@ from refdem.engines.external.folders import (
 )
 from refdem.engines.external.process import Supervised
 from refdem.errors import EngineError
+from refdem.planning import unchanged
+from refdem.planning.campaign import Campaign
+from refdem.planning.specification import Entry, Specification
 
 DEEP = 1100
 """Folders in folders: more than Python recurses."""

@@ -6,11 +6,11 @@ from pathlib import Path
 
 import pytest
 
-from refdem.campaign.campaign import Campaign
-from refdem.campaign.specification import Entry, Specification
 from refdem.core.finding import CampaignSheet, Finding, Record
 from refdem.core.store import Store
 from refdem.errors import UsageError
+from refdem.planning.campaign import Campaign
+from refdem.planning.specification import Entry, Specification
 
 WORKERS = 2
 

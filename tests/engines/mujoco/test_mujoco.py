@@ -9,7 +9,6 @@ import mujoco
 import numpy as np
 import pytest
 
-from refdem.campaign.smoke import smoke
 from refdem.core.problem import Motion, Request
 from refdem.engines.mujoco import session
 from refdem.engines.mujoco.model import compiled
@@ -23,6 +22,7 @@ from refdem.scene.elements.rod import Rod
 from refdem.scene.elements.slider import Slider
 from refdem.scene.elements.spring import Spring
 from refdem.scene.elements.uniform_gravity import UniformGravity
+from refdem.smoke.battery import smoke
 
 TIMES = np.arange(9) / 8
 POINT = Body(mass=1.0, position=(1.0, 0.0, 0.0))

@@ -14,10 +14,10 @@ import numpy as np
 import pytest
 import rebound
 
-from refdem.campaign.in_process import record_of, task_of, truth_of
 from refdem.core import discovery
 from refdem.engines.rebound import ENGINE
 from refdem.engines.rebound.simulation import SWINGING
+from refdem.planning.in_process import record_of, task_of, truth_of
 
 STAGES = 7
 """Evaluations of the force in an iteration (and one at the start of a step)."""

@@ -9,9 +9,9 @@ import alarms
 import pytest
 from alarms import Count
 
-from refdem.campaign.smoke import smoke
 from refdem.core import discovery
 from refdem.core.parameters import labelled
+from refdem.smoke.battery import smoke
 
 PAIRS = 300
 SECONDS = 60.0

@@ -7,10 +7,10 @@ from fractions import Fraction
 
 from jsonschema import Draft202012Validator
 
-from refdem.campaign.certification import stale
-from refdem.campaign.certified_list import certified_cases
-from refdem.campaign.kept_truth import truth_folder
-from refdem.campaign.reproof import damaged
+from refdem.certification.listing import certified_cases
+from refdem.certification.proofs import stale
+from refdem.certification.reproof import damaged
+from refdem.planning.kept_truth import truth_folder
 from refdem.truth import load
 from refdem.truth.certified.samples import kept
 

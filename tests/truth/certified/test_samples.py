@@ -8,12 +8,12 @@ from random import Random
 
 import pytest
 
-from refdem.campaign import kept_truth as kept_truths
-from refdem.campaign.kept_truth import kept_truth, samples_key, truth_folder
-from refdem.campaign.reproof import damaged
+from refdem.certification.reproof import damaged
 from refdem.core import discovery
 from refdem.core.truth import SampledTruth
 from refdem.errors import StoreError
+from refdem.planning import kept_truth as kept_truths
+from refdem.planning.kept_truth import kept_truth, samples_key, truth_folder
 from refdem.truth.certified import samples
 from refdem.truth.certified.sources import digest_of
 from refdem.truth.sampled import sampled

@@ -6,7 +6,7 @@ from fractions import Fraction
 
 import pytest
 
-from refdem.campaign.reproof import given_of
+from refdem.certification.reproof import given_of
 from refdem.core import discovery
 from refdem.core.selection import Selection
 from refdem.core.truth import Ball

@@ -10,11 +10,11 @@ from urllib.parse import urlsplit
 
 import pytest
 
-from refdem.campaign.deviations import of_engine
 from refdem.core import codes, discovery
 from refdem.core.parameters import labelled
 from refdem.engines.external.description import Description
 from refdem.engines.external.sense import read
+from refdem.planning.deviations import of_engine
 
 CODES = Path(__file__).resolve().parents[3] / "validation/codes"
 NAMES = sorted(path.parent.name for path in CODES.glob("*/refdem.toml"))

@@ -1,1 +1,0 @@
-"""Running everything: plan, worker processes, judging, records."""

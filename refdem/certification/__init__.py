@@ -1,0 +1,1 @@
+"""The certified store: sets that are proved, and proved again."""

@@ -1,0 +1,1 @@
+"""Runs made in processes of this machine, or in the workers of a cluster."""

@@ -1,0 +1,262 @@
+"""What a worker of a cluster does for a campaign: it says whether it is fit to run, and makes runs.
+
+All that it gets and all that it returns is text or MessagePack of the documents below, which the
+other side checks as it reads them.
+"""
+
+import multiprocessing
+import threading
+import time
+from collections.abc import Iterable, Iterator
+from functools import lru_cache
+
+import msgspec
+
+from refdem.core import discovery, fingerprint
+from refdem.core.engine import Engine
+from refdem.core.run import Failure
+from refdem.errors import RefdemError
+from refdem.execution import worker
+from refdem.execution.schedule import Job, Schedule
+
+SHOWN = 12
+"""Digits of a digest that a sentence shows; 48 bits tell any two states of a code apart."""
+NOT_BEGUN = Failure(kind="not begun", sentence="the batch took too long", is_begun=False)
+
+
+class MethodState(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
+    """A method of the engine at an address, and the fingerprint of all that can change its runs."""
+
+    engine: str
+    method: str
+    fingerprint: str
+
+
+class CodeState(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """The state of the code of one process: digests of refdem, of the processor's features, and of
+    every method that is to run.
+    """
+
+    refdem: str
+    machine: str
+    methods: list[MethodState]
+
+
+class Errand(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """One run: the address of its engine, the packed request, its limit [s], and how long it may be
+    until it begins [s].
+
+    Of what `computes` the limit counts CPU time.
+    """
+
+    engine: str
+    request: bytes
+    limit: float
+    seconds_left: float
+    computes: bool
+
+
+class Batch(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """Runs for one worker, and the state of the code that they need, as MessagePack of CodeState.
+
+    After `longest` [s] the worker begins no other run: the rest goes back, so that it can be spread
+    again, or given up where others hung.
+    """
+
+    expected: bytes
+    longest: float
+    errands: list[Errand]
+
+
+class Outcome(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """How one run ended: with the bytes of a reply or a failure; with neither it was not begun."""
+
+    reply: bytes | None = None
+    failure: Failure | None = None
+
+
+class Returned(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """The outcomes of a batch in its order and the seconds that it took; or why the worker is not
+    fit to run any of it.
+    """
+
+    outcomes: list[Outcome]
+    seconds: float
+    misfit: str = ""
+
+
+def code_state(engines: Iterable[Engine]) -> bytes:
+    """The state of the code of this process, for all methods of these engines, as MessagePack of
+    CodeState.
+    """
+    methods = [
+        MethodState(engine.address, method.name, engine.fingerprint(method))
+        for engine in engines
+        for method in engine.methods
+    ]
+    state = CodeState(
+        refdem=fingerprint.of_refdem(), machine=fingerprint.of_machine(), methods=methods
+    )
+    return msgspec.msgpack.encode(state)
+
+
+@lru_cache(maxsize=8)
+def misfit(expected: bytes) -> str:
+    """Why runs of this process would not be those of the process whose state is `expected`; empty
+    if they are the same.
+
+    It is asked for once for each state: the code of a process does not change.
+    """
+    state = msgspec.msgpack.decode(expected, type=CodeState)
+    here = fingerprint.of_refdem()
+    if here != state.refdem:
+        return (
+            f"its refdem has the digest {here[:SHOWN]}; expected {state.refdem[:SHOWN]}, that of"
+            " the refdem which asks: install the same wheel there, or share one environment"
+        )
+    if fingerprint.of_machine() != state.machine:
+        return (
+            "its processor has other features than that of the machine which asks, and bits are"
+            " equal on one kind of processor only: run `refdem run` on a machine of the workers'"
+            " kind"
+        )
+    reasons = [reason for method in state.methods if (reason := _misfit_of(method))]
+    # Methods of one engine lack the same thing.
+    return "; ".join(dict.fromkeys(reasons))
+
+
+def _misfit_of(expected: MethodState) -> str:
+    """Why one method does not run here as it does where it was asked for, or nothing."""
+    try:
+        engine = discovery.engine(expected.engine)
+        missing = engine.missing()
+        if missing:
+            return f"engine {engine.name} is not installed there: {missing}"
+        here = engine.fingerprint(engine.method(expected.method))
+    except (RefdemError, OSError) as error:
+        return f"engine {expected.engine} cannot be read there: {error}"
+    if here != expected.fingerprint:
+        return (
+            f"method {expected.method} of engine {engine.name} has the fingerprint"
+            f" {here[:SHOWN]}; expected {expected.fingerprint[:SHOWN]}: install the same version"
+            " of the engine there, from the same files"
+        )
+    return ""
+
+
+IDLE = 60.0
+"""Seconds without a batch after which a worker ends the processes that it has started for runs:
+refdem was killed, or the scheduler is lost. They start again within some seconds.
+"""
+
+
+class _Processes:
+    """The schedule of one thread of a worker: one process, which runs the engines. An engine that
+    crashes or hangs costs that process and its run, and the worker goes on.
+    """
+
+    def __init__(self) -> None:
+        self._busy = threading.Lock()
+        self._schedule: Schedule | None = None
+        self._idle = threading.Timer(IDLE, self.rest)
+
+    def results(self, jobs: list[Job]) -> Iterator[tuple[Job, bytes | Failure]]:
+        """Every job once with its bytes or its Failure, in the order in which they end."""
+        self._idle.cancel()
+        with self._busy:
+            if self._schedule is None:
+                self._schedule = Schedule(1, timeout=0.0)
+            yield from self._schedule.results(jobs)
+        self._idle = threading.Timer(IDLE, self.rest)
+        self._idle.daemon = True
+        self._idle.start()
+
+    def rest(self) -> None:
+        """Ends the process, and the programs that it keeps alive, unless it is busy: the next batch
+        starts another.
+        """
+        if not self._busy.acquire(blocking=False):
+            return
+        try:
+            if self._schedule is not None:
+                self._schedule.__exit__()
+                self._schedule = None
+        finally:
+            self._busy.release()
+
+
+_here = threading.local()
+_OF_THREADS: list[_Processes] = []
+"""Those of all threads of this worker."""
+
+
+def _schedule() -> _Processes:
+    """The schedule of this thread."""
+    if not hasattr(_here, "schedule"):
+        # The nanny of a worker starts it as a daemon, which may not have processes of its own.
+        multiprocessing.current_process().daemon = False
+        _here.schedule = _Processes()
+        _OF_THREADS.append(_here.schedule)
+    schedule: _Processes = _here.schedule
+    return schedule
+
+
+def rested() -> None:
+    """Ends what this worker keeps running for runs, except what another campaign uses now."""
+    for processes in tuple(_OF_THREADS):
+        processes.rest()
+
+
+class _Begin:
+    """Answers whether a run is still begun, with what holds when it is asked first: what was begun
+    goes on to its end.
+    """
+
+    def __init__(self, end: float) -> None:
+        self._end = end
+        self._is_begun = False
+
+    def __call__(self) -> Failure | None:
+        if self._is_begun or time.monotonic() < self._end:
+            self._is_begun = True
+            return None
+        return NOT_BEGUN
+
+
+def made(batch_bytes: bytes) -> bytes:
+    """The outcomes of a batch of runs, as MessagePack of Returned."""
+    begin = time.monotonic()
+    batch = msgspec.msgpack.decode(batch_bytes, type=Batch)
+    reason = misfit(batch.expected)
+    if reason:
+        return msgspec.msgpack.encode(Returned(outcomes=[], seconds=0.0, misfit=reason))
+    jobs = [
+        _job(number, errand, begin, begin + batch.longest)
+        for number, errand in enumerate(batch.errands)
+    ]
+    outcomes = [Outcome()] * len(jobs)
+    for job, result in _schedule().results(jobs):
+        if isinstance(result, bytes):
+            outcomes[job.key] = Outcome(reply=result)
+        elif result != NOT_BEGUN:
+            outcomes[job.key] = Outcome(failure=result)
+    seconds = time.monotonic() - begin
+    return msgspec.msgpack.encode(Returned(outcomes=outcomes, seconds=seconds))
+
+
+def _job(number: int, errand: Errand, begin: float, end: float) -> Job:
+    """The run of an errand in the process of this thread, for a batch that began at `begin` [s];
+    after `end` [s] only its first one is begun.
+    """
+    given_up = _Begin(end)
+    if number == 0:
+        # A batch whose first run began is one run shorter when it comes back.
+        given_up = _Begin(float("inf"))
+    return Job(
+        number,
+        worker.run,
+        (errand.engine, errand.request, begin + errand.seconds_left),
+        errand.limit,
+        computes=errand.computes,
+        given_up=given_up,
+    )

@@ -1,0 +1,1 @@
+"""Known faults against checks: which quantity shows which fault."""

@@ -1,0 +1,1 @@
+"""What a campaign runs, and how what comes back is judged."""

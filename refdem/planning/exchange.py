@@ -1,0 +1,321 @@
+"""Programs that run elsewhere: their requests as folders, and their trajectories judged when they
+have come back.
+
+A folder holds a manifest, a copy of each refdem.toml, and for every run a folder of its own with
+request.json and request.txt, into which its trajectory.csv (and events.csv) goes. A run that goes
+on from the end of another can only be written when that one has come back: a second export into the
+same folder does it.
+
+A program that stays alive gets its requests as lines, in a file NAME-requests.jsonl, whose ids are
+the folders of the runs; what it answers may come back in files *answers*.jsonl.
+"""
+
+import contextlib
+import json
+import os
+from collections import Counter
+from collections.abc import Iterable
+from pathlib import Path
+from typing import Any, BinaryIO
+
+import msgspec
+
+import refdem
+from refdem.core import discovery
+from refdem.core.answer_csv import read_answer
+from refdem.core.engine import Engine, Method
+from refdem.core.finding import Sheet
+from refdem.core.named_file import replace
+from refdem.core.outside import one_line, opened
+from refdem.core.problem import Motion, Request
+from refdem.core.reading import content, json_as
+from refdem.core.request_text import request_text
+from refdem.core.store import Store
+from refdem.core.trajectory import Cost, Trajectory
+from refdem.engines.external import External
+from refdem.engines.external.program import FILES
+from refdem.engines.external.sense import NAME
+from refdem.engines.external.serving import line_of
+from refdem.errors import UNREADABLE, EngineError, StoreError, UnsupportedError, UsageError
+from refdem.execution.schedule import Progress
+from refdem.planning.campaign import Campaign
+from refdem.planning.specification import Entry, Specification
+from refdem.scene import bodies_file
+
+MANIFEST = "manifest.json"
+RUNS = "runs.txt"
+ANSWERS = "*answers*.jsonl"
+"""The files with the lines that programs which stay alive have answered."""
+REFUSED = "unsupported.txt"
+"""The file in a run's folder, in place of a trajectory, with the reason why the program ended with
+77, not supported.
+"""
+LAST_WORDS = 200
+"""Characters of a reason that are shown, the last ones."""
+FORMAT = 1
+"""Of a manifest."""
+
+
+class Manifest(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """The content of an export: the version of refdem, the cases and levels to be judged, and the
+    version of each program at that time.
+    """
+
+    format: int = FORMAT
+    refdem: str
+    case: list[Entry]
+    levels: int
+    versions: dict[str, str]
+
+
+class Elsewhere(Engine):
+    """A program that runs elsewhere: here are its description (`described`, of which it has the
+    claims) and a folder for each run. `writes` says that missing requests are written.
+    """
+
+    def __init__(self, described: Engine, version: str, folder: Path, *, writes: bool) -> None:
+        """Takes over the description of an engine; `folder` is that of the export."""
+        self.name = described.name
+        self.title = described.title
+        self.licence = described.licence
+        self.methods = described.methods
+        self.expected = described.expected
+        self.may_refuse = described.may_refuse
+        self.stays_alive = isinstance(described, External) and described.description.engine.serve
+        self.described = described
+        self.at = version
+        self.folder = folder
+        self.writes = writes
+        self.asked: Counter[str] = Counter()
+        self.waiting: list[str] = []
+        self.lines: list[str] = []
+        self.answers = answers(folder)
+
+    def missing(self) -> str | None:
+        """None: the program runs elsewhere and need not be here."""
+        return None
+
+    def version(self) -> str:
+        """The version of the program when it was exported."""
+        return self.at
+
+    def fingerprint(self, method: Method) -> str:
+        """The name of the program: what runs elsewhere cannot be fingerprinted."""
+        return self.name
+
+    def unsupported_motion(self, problem: Motion, method: Method) -> str | None:
+        """The reason why the description of the program refuses the problem, or None."""
+        return self.described.unsupported_motion(problem, method)
+
+    def run(self, request: Request) -> tuple[Trajectory, Cost]:
+        """The trajectory that came back for a request.
+
+        Raises EngineError for one that is missing or whose request is not exported yet, and
+        UnsupportedError where the folder says that the program refused.
+        """
+        # The folder of a run is named for the request; equal requests are numbered from 2 on.
+        key = request.key(self.name)
+        self.asked[key] += 1
+        if self.asked[key] == 1:
+            name = key[:32]
+        else:
+            name = f"{key[:32]}-{self.asked[key]}"
+        folder = self.folder / name
+        if folder.is_symlink():
+            raise EngineError(f"{name} is a link; expected the folder that `refdem export` made")
+        if not (folder / "request.json").is_file():
+            if not self.writes:
+                raise EngineError(
+                    "this run goes on from another and is not exported yet; `refdem export` into"
+                    " the same folder writes it"
+                )
+            written(request, folder)
+        refused = opened(folder / REFUSED)
+        if refused is not None:
+            reason = _last_words(refused)
+            raise UnsupportedError(reason or f"the program wrote {REFUSED}")
+        said = self.answers.get(name, {})
+        if "unsupported" in said:
+            raise UnsupportedError(
+                one_line(str(said["unsupported"]))[-LAST_WORDS:] or "not supported"
+            )
+        if "failed" in said:
+            raise EngineError(f"{name} failed: {one_line(str(said['failed']))[-LAST_WORDS:]}")
+        if not any((folder / FILES[file]).is_file() for file in ("trajectory", "trajectory_npy")):
+            self.waiting.append(name)
+            paths = {file: f"{name}/{place}" for file, place in FILES.items()}
+            self.lines.append(line_of(name, request.method, paths))
+            raise EngineError(f"{name}/trajectory.csv has not come back")
+        trajectory = read_answer(request.problem, folder / "trajectory.csv", folder / "events.csv")
+        if request.step:
+            steps = request.stride * (len(request.problem.times) - 1)
+        else:
+            steps = 0
+        return trajectory, Cost(seconds=0.0, steps=steps)
+
+
+def _last_words(file: BinaryIO) -> str:
+    """The last 200 characters of a file, as one line; no more of it is read."""
+    with file:
+        end = file.seek(0, os.SEEK_END)
+        file.seek(max(0, end - 4 * LAST_WORDS))
+        return one_line(file.read().decode(errors="replace").strip()[-LAST_WORDS:])
+
+
+def _plain(path: Path) -> Path:
+    """The path; raises UsageError if a link, a pipe or a device has this name, which another
+    machine may have made.
+    """
+    try:
+        file = opened(path)
+    except EngineError as error:
+        raise UsageError(f"{path}: {error}") from None
+    if file is not None:
+        file.close()
+    return path
+
+
+def answers(folder: Path) -> dict[str, dict[str, Any]]:
+    """What programs that stay alive have answered, by the folder of the run; lines that are no
+    answers are passed over, since it is trajectories that are judged.
+    """
+    found: dict[str, dict[str, Any]] = {}
+    for path in sorted(folder.glob(ANSWERS)):
+        for line in content(_plain(path), "the lines that a program answered").splitlines():
+            try:
+                said = json.loads(line)
+            except UNREADABLE:
+                continue
+            if isinstance(said, dict) and isinstance(said.get("id"), str):
+                found[said["id"]] = said
+    return found
+
+
+def written(request: Request, folder: Path) -> None:
+    """Writes request.json and request.txt; raises StoreError if that cannot be done."""
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        replace(folder / "request.txt", request_text(request).encode())
+        replace(folder / "request.json", request.to_json())
+        file = request.bodies_file
+        if file is not None:
+            replace(folder / bodies_file.NAME, file)
+    except OSError as error:
+        raise StoreError(
+            f"{folder} cannot be written: {error.strerror}; choose another folder"
+        ) from None
+
+
+def exported(
+    folder: Path,
+    tomls: Iterable[Path],
+    cases: list[Entry],
+    levels: int,
+    store: Store,
+    progress: Progress,
+) -> list[str]:
+    """Writes the requests that can be written now.
+
+    Returns the names of the runs whose trajectories have not come back yet.
+    """
+    engines = {path: discovery.engine(str(path)) for path in tomls}
+    versions = {}
+    for engine in engines.values():
+        if engine.missing() is None:
+            versions[engine.name] = engine.version()
+        else:
+            versions[engine.name] = "unknown"
+    manifest = Manifest(refdem=refdem.__version__, case=cases, levels=levels, versions=versions)
+    if os.path.lexists(folder / MANIFEST):
+        # Another version of a program may go on with the same export.
+        before = msgspec.structs.replace(read(folder), versions=versions)
+        if before != manifest:
+            raise UsageError(
+                f"{folder} holds the export of other cases, programs or levels; choose an empty"
+                " folder"
+            )
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        for path, engine in engines.items():
+            replace(folder / f"{engine.name}.toml", path.read_bytes())
+        replace(folder / MANIFEST, msgspec.json.format(msgspec.json.encode(manifest)))
+    except OSError as error:
+        raise StoreError(
+            f"{folder} cannot be written: {error.strerror}; choose another folder"
+        ) from None
+    _, elsewhere = _campaign(folder, manifest, store, progress, writes=True)
+    waiting = [name for engine in elsewhere for name in engine.waiting]
+    replace(folder / RUNS, "".join(f"{name}\n" for name in waiting).encode())
+    for engine in elsewhere:
+        if engine.stays_alive:
+            text = "".join(f"{line}\n" for line in engine.lines)
+            replace(folder / requests_of(engine.name), text.encode())
+    return waiting
+
+
+def requests_of(name: str) -> str:
+    """The file with the requests to a program that stays alive, as lines."""
+    return f"{name}-requests.jsonl"
+
+
+def judged(folder: Path, store: Store, progress: Progress) -> list[Sheet]:
+    """Everything found in the trajectories of a folder; one that is missing is an error."""
+    sheets, _ = _campaign(folder, read(folder), store, progress, writes=False)
+    return sheets
+
+
+def read(folder: Path) -> Manifest:
+    """The manifest of an export; raises UsageError if there is none, or if another refdem wrote
+    it.
+    """
+    path = _plain(folder / MANIFEST)
+    manifest = json_as(Manifest, content(path, "a folder that `refdem export` wrote"), str(path))
+    if manifest.format != FORMAT:
+        raise UsageError(f"{path} has format {manifest.format}; expected {FORMAT}: export again")
+    if not manifest.case or not manifest.versions:
+        lacking = "case"
+        if manifest.case:
+            lacking = "program"
+        raise UsageError(f"{path} names no {lacking}, so there is nothing to judge; export again")
+    for name in manifest.versions:
+        if not NAME.fullmatch(name):
+            raise UsageError(
+                f"{path}: {one_line(name, 80)!r} is no name of a program; expected letters, digits"
+                " and . _ + -"
+            )
+    if manifest.refdem != refdem.__version__:
+        raise UsageError(
+            f"{path} was written by refdem {manifest.refdem}, this is {refdem.__version__}; export"
+            " again"
+        )
+    return manifest
+
+
+def _campaign(
+    folder: Path, manifest: Manifest, store: Store, progress: Progress, *, writes: bool
+) -> tuple[list[Sheet], list[Elsewhere]]:
+    """The campaign of an export in this process, and its programs, which know what has not come
+    back.
+    """
+    names = list(manifest.versions)
+    with contextlib.ExitStack() as here:
+        engines = []
+        for name in names:
+            path = _plain(folder / f"{name}.toml")
+            described = discovery.engine(str(path))
+            if described.name != name:
+                raise UsageError(
+                    f"{path} describes {described.name!r}; expected {name!r}, as {MANIFEST} says:"
+                    " export again"
+                )
+            engine = Elsewhere(described, manifest.versions[name], folder, writes=writes)
+            engines.append(engine)
+            here.enter_context(discovery.engine_here(engine))
+        specification = Specification(
+            name=f"judgement of {', '.join(names)}",
+            case=manifest.case,
+            engines=names,
+            levels=manifest.levels,
+        )
+        sheets = Campaign(specification, store, jobs=0, use_store=False, progress=progress).sheets()
+    return sheets, engines

@@ -1,0 +1,384 @@
+"""Resolution: the smallest relative misreading of a number of the scene that closes the gate.
+
+The number is multiplied by 1 + a in every request that an engine gets, and its runs are judged as
+if it had been read right. The smallest a at which a finding fails is found by trial: errors grow in
+proportion to a, so that one failure foretells the threshold. A pass is worth what it would have
+seen.
+"""
+
+import hashlib
+import math
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass
+
+import msgspec
+import numpy as np
+
+from refdem.core import discovery
+from refdem.core.case import Instance
+from refdem.core.deviation import Deviation
+from refdem.core.engine import Engine
+from refdem.core.finding import Finding
+from refdem.core.judgement import distances
+from refdem.core.problem import Motion, Request
+from refdem.core.resolution import Resolution, Seen
+from refdem.core.run import Failure, Run
+from refdem.core.store import Store
+from refdem.core.trajectory import Trajectory
+from refdem.core.truth import SampledTruth
+from refdem.core.variant import Variant
+from refdem.execution.schedule import Job, Progress, Schedule, counted
+from refdem.faults.fault import Carrier, Fault
+from refdem.faults.numbers import Number, numbers
+from refdem.planning import plan, unchanged
+from refdem.planning.deviations import of_engine
+from refdem.planning.in_process import record_of
+from refdem.planning.plan import Task
+from refdem.planning.specification import Specification
+from refdem.planning.truths import sampled_truths
+
+SECONDS = 600.0
+"""CPU time [s] after which the numbers of one method on one case are given up."""
+FIRST = 1e-3
+"""The misreading that is tried first."""
+LEAST = 1e-12
+"""The smallest misreading that is tried: a few thousand roundings of binary64."""
+CLOSE = 1.5
+"""Ratio of the smallest misreading that was seen and the largest that was not, at the end."""
+MOST_TRIALS = 16
+"""Trials after which the smallest misreading seen so far counts."""
+STILL = 1e-12
+"""Change of a run by the first misreading, in units of its scales, that is none: round-off."""
+_DECODER = msgspec.msgpack.Decoder(Resolution)
+
+
+@dataclass(frozen=True)
+class Trial:
+    """The findings of a run with a number misread, and its finest run; or why there is none."""
+
+    findings: tuple[Finding, ...] = ()
+    finest: Run | None = None
+    refused: str = ""
+
+    @property
+    def run(self) -> Trajectory:
+        """The trajectory of the finest run of a trial that was not refused."""
+        assert self.finest is not None
+        assert self.finest.trajectory is not None
+        return self.finest.trajectory
+
+    @property
+    def excess(self) -> float:
+        """The largest ratio of a value and its bound; 0 if no finding fails, infinite if one fails
+        that has no finite ratio.
+        """
+        if not self._failing:
+            return 0.0
+        return float(10.0 ** -min(map(_margin, self._failing)))
+
+    @property
+    def by(self) -> str:
+        """The check and quantity that is farthest beyond its bound."""
+        worst = min(self._failing, key=_margin)
+        return f"{worst.check}/{worst.quantity}"
+
+    @property
+    def _failing(self) -> list[Finding]:
+        return [finding for finding in self.findings if finding.outcome == "fail"]
+
+
+def _margin(finding: Finding) -> float:
+    """The margin of a finding [decades]; minus infinity without one."""
+    if finding.margin is None:
+        return -math.inf
+    return finding.margin
+
+
+def measured(
+    specification: Specification,
+    store: Store,
+    workers: int,
+    progress: Progress,
+    *,
+    use_store: bool = True,
+) -> list[Resolution]:
+    """What every method of every engine of a campaign would notice, in the order of its rows; each
+    method on each case in a worker process.
+
+    What is finished is kept in the store, and is read from there while nothing has changed unless
+    `use_store` is False.
+    """
+    engines, _ = plan.engines(specification)
+    # Static questions and maps have no scene. An instance may be in several rows.
+    by_label = {
+        row.instance.label: row
+        for row in plan.rows(specification, engines)
+        if row.is_judged and isinstance(row.instance.problem, Motion)
+    }
+    rows = list(by_label.values())
+    names = {engine.address: engine.name for engine in engines}
+    found: dict[_Place, Resolution] = {}
+    places = _places(rows)
+    keys: dict[_Place, str | None] = {}
+    if use_store:
+        keys = _keys(specification, engines, places)
+    for place, key in keys.items():
+        kept = key and store.read("resolution", key, _DECODER.decode)
+        if kept:
+            found[place] = kept
+    missing = [row for row in rows if any(place not in found for place in _places([row]))]
+    with Schedule(workers, SECONDS) as schedule:
+        asked = [(row.instance, row.delays) for row in missing]
+        truths = sampled_truths(schedule, store, asked, progress)
+        jobs = []
+        for row, truth in zip(missing, truths, strict=True):
+            jobs += [
+                _job(specification, row.instance, truth, place)
+                for place in _places([row])
+                if place not in found
+            ]
+        results = schedule.results(jobs)
+        for job, result in counted(results, "resolution", len(jobs), progress):
+            if isinstance(result, Failure):
+                _, address, _ = job.key
+                found[job.key] = _unknown(job.key, names[address], result)
+                continue
+            found[job.key] = _DECODER.decode(result)
+            key = keys.get(job.key)
+            if key:
+                store.put("resolution", key, result)
+    return [found[place] for place in places]
+
+
+_Place = tuple[str, str, str]
+"""Label of the instance, address of the engine, and method."""
+
+
+def _places(rows: Iterable[plan.Row]) -> list[_Place]:
+    """Every method that is judged on some row, in the order of the rows."""
+    return [
+        (row.instance.label, engine.address, subject.method.name)
+        for row in rows
+        for engine, supported in row.subjects
+        for subject, reason in supported
+        if reason is None
+    ]
+
+
+def _keys(
+    specification: Specification, engines: list[Engine], places: Iterable[_Place]
+) -> dict[_Place, str | None]:
+    """The keys in the store: digests of the place and of everything that its verdicts depend on;
+    None where that is not known.
+    """
+    narrow = msgspec.structs.replace(specification, name="", case=[], engines=[], method="")
+    states = {engine.address: unchanged.key_of(narrow, [engine]) for engine in engines}
+    keys: dict[_Place, str | None] = {}
+    for place in places:
+        _, address, _ = place
+        state = states[address]
+        keys[place] = state and hashlib.sha256("\0".join([state, *place]).encode()).hexdigest()
+    return keys
+
+
+def _unknown(place: _Place, engine: str, failure: Failure) -> Resolution:
+    """The resolution of a method of an engine whose job failed: nothing is known."""
+    label, _, method = place
+    unknown = Seen(number="any number", reason=f"it could not be measured: {failure.sentence}")
+    return Resolution(label=label, engine=engine, method=method, numbers=(unknown,))
+
+
+def _job(
+    specification: Specification, instance: Instance, truth: SampledTruth, place: _Place
+) -> Job:
+    """The job of one method on one case."""
+    _, address, method = place
+    narrow = msgspec.structs.replace(specification, case=[], engines=[], method=method)
+    return Job(
+        place,
+        of_method,
+        (
+            msgspec.json.encode(narrow),
+            instance.case.id,
+            instance.p.given,
+            msgspec.msgpack.encode(truth),
+            address,
+        ),
+    )
+
+
+def of_method(
+    specification: bytes, case: str, given: dict[str, str], truth: bytes, address: str
+) -> bytes:
+    """What the one method that the specification names would notice, as MessagePack of a
+    Resolution.
+    """
+    asked = msgspec.json.decode(specification, type=Specification)
+    instance = discovery.case(case).at(**given)
+    sampled = msgspec.msgpack.decode(truth, type=SampledTruth)
+    engine = discovery.engine(address)
+    return msgspec.msgpack.encode(resolution(asked, engine, instance, sampled))
+
+
+def resolution(
+    specification: Specification, engine: Engine, instance: Instance, truth: SampledTruth
+) -> Resolution:
+    """What the method that the specification names would notice, for each number of the scene.
+
+    Only checks count that read plain runs of the refinement levels: pictures, reversed and
+    perturbed runs are misread alike.
+    """
+    (task,) = plan.tasks(specification, instance, (), engine, truth, truth.reason)
+    narrow = msgspec.structs.replace(specification, checks=_checks(task))
+    judge = _Judge(narrow, engine, instance, truth, of_engine(engine))
+    sound = judge.trial(None, 0.0)
+    if any(finding.outcome in ("fail", "error") for finding in sound.findings):
+        why = "a finding fails without any misreading"
+        seen = [Seen(number=number.name, reason=why) for number in numbers(instance.scene)]
+    else:
+        seen = [judge.seen(number, sound) for number in numbers(instance.scene)]
+    return Resolution(
+        label=instance.label,
+        engine=engine.name,
+        method=specification.method,
+        numbers=tuple(seen),
+    )
+
+
+def _checks(task: Task) -> list[str]:
+    """Names of the checks that read nothing but plain runs of the refinement levels."""
+    plain = set(task.subject.plain)
+    return [check.name for check in task.checks if set(check.needs(task.subject)) <= plain]
+
+
+@dataclass(frozen=True)
+class _Judge:
+    """Judges runs of one method in which a number is misread."""
+
+    specification: Specification
+    engine: Engine
+    instance: Instance
+    truth: SampledTruth
+    deviations: list[Deviation]
+
+    def seen(self, number: Number, sound: Trial) -> Seen:
+        """What is noticed of a number; `sound` is the run without any misreading."""
+        sign = 1.0
+        first = self.trial(number, sign * FIRST)
+        if first.refused:
+            # As a restitution of 1, which no larger one may replace.
+            sign = -1.0
+            first = self.trial(number, sign * FIRST)
+        if first.refused:
+            return Seen(number=number.name, reason=first.refused)
+        found = threshold(lambda amount: self.trial(number, sign * amount), first)
+        if found.seen is not None:
+            return Seen(number=number.name, smallest=found.seen, by=found.by)
+        return Seen(number=number.name, reason=self._reason(sound, first, found.unseen))
+
+    def _reason(self, sound: Trial, first: Trial, unseen: float) -> str:
+        """Why no misreading of a number was noticed; `unseen` is the largest that could be
+        planted.
+        """
+        change = float(np.max(distances(self.instance, first.run, sound.run)))
+        if change <= STILL:
+            return "the motion does not depend on it"
+        return (
+            f"misread by {FIRST:g} it moves the run by {change:.1g} of its scales, and misread by"
+            f" {unseen:g} no finding fails either"
+        )
+
+    def trial(self, number: Number | None, amount: float) -> Trial:
+        """The runs with a number multiplied by 1 + amount, judged; without a number as they are."""
+        engine = self.engine
+        if number is not None:
+            misreads = number.misread
+
+            def before(request: Request) -> Request:
+                return misreads(request, 1.0 + amount)
+
+            fault = Fault(
+                name=f"{number.name} x {1.0 + amount!r}",
+                kind="misread",
+                sentence="",
+                on=(),
+                sees=("", ""),
+                before=before,
+            )
+            engine = Carrier(self.engine, fault)
+        (task,) = plan.tasks(
+            self.specification, self.instance, (), engine, self.truth, self.truth.reason
+        )
+        runs: dict[Variant, Run] = {}
+        record = record_of(task, runs, self.deviations)
+        finest = runs.get(task.subject.finest)
+        return Trial(record.findings, finest, _refused(runs.values()))
+
+
+def _refused(runs: Iterable[Run]) -> str:
+    """Why some run ended without a trajectory; empty if none did."""
+    for run in runs:
+        if run.failure is not None:
+            return f"it cannot be misread here: {run.failure.sentence}"
+    return ""
+
+
+@dataclass
+class Threshold:
+    """The search for the smallest misreading that some finding fails: it lies between `unseen`, the
+    largest that none failed, and `seen`, the smallest that one did, by the check and quantity `by`.
+
+    An excess of r over a bound at a misreading a foretells a threshold of a/r. The next trial lies
+    a little above that where r is large, and else a little below, so that the threshold soon lies
+    between two trials whose ratio is CLOSE.
+    """
+
+    unseen: float = 0.0
+    seen: float | None = None
+    by: str = ""
+
+    def add(self, amount: float, trial: Trial) -> None:
+        """Notes what came of a trial."""
+        if trial.excess == 0.0:
+            self.unseen = max(self.unseen, amount)
+        elif self.seen is None or amount < self.seen:
+            self.seen = amount
+            self.by = trial.by
+
+    @property
+    def is_found(self) -> bool:
+        """True if nothing more is to be tried."""
+        if self.seen is None:
+            return self.unseen >= 1.0
+        return self.seen <= LEAST or self.seen <= CLOSE * self.unseen
+
+    def next_amount(self, amount: float, trial: Trial) -> float:
+        """The misreading to try after that of `amount`."""
+        excess = trial.excess
+        if excess == 0.0:
+            following = 10.0 * amount
+        elif not math.isfinite(excess):
+            following = amount / 10.0
+        elif excess > 2.0:
+            following = 1.2 * amount / excess
+        else:
+            following = 0.8 * amount / excess
+        if self.seen is not None and not self.unseen < following < self.seen:
+            following = math.sqrt(max(self.unseen, LEAST) * self.seen)
+        return min(1.0, max(LEAST, following))
+
+
+def threshold(trial: Callable[[float], Trial], first: Trial) -> Threshold:
+    """The threshold of what a trial of an amount tells; `first` is the trial of FIRST."""
+    found = Threshold()
+    amount = FIRST
+    latest = first
+    for _ in range(MOST_TRIALS):
+        found.add(amount, latest)
+        if found.is_found:
+            break
+        amount = found.next_amount(amount, latest)
+        latest = trial(amount)
+        if latest.refused:
+            break
+    return found

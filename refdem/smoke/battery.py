@@ -1,0 +1,369 @@
+"""The smoke test of an adapter: clock, units, signs, shapes, quaternion order, inertia axes.
+
+Probes are so simple that any engine solves them; what is wrong is the fault of its adapter.
+"""
+
+from collections.abc import Callable
+from dataclasses import replace
+from functools import cache
+
+import msgspec
+import numpy as np
+from numpy.typing import NDArray
+
+from refdem.core.engine import Engine, Method
+from refdem.core.finding import Finding
+from refdem.core.problem import CLOCK_ROUNDINGS, Motion, Request
+from refdem.core.refinement import KINKS
+from refdem.core.trajectory import STATE, Trajectory
+from refdem.engines.external.program import KEPT
+from refdem.engines.external.serving import NOT_AGAIN
+from refdem.errors import UnsupportedError
+from refdem.mechanics import momentum
+from refdem.mechanics.quaternion import conjugate, rotated
+from refdem.scene.elements.periodic_box import PeriodicBox
+from refdem.smoke.clock import bounded, counted, refuse_other_shape
+from refdem.smoke.force_probes import force_probes
+from refdem.smoke.gripping_probes import gripping_probe
+from refdem.smoke.impact_probes import impact_probes
+from refdem.smoke.neighbour_probes import neighbour_probes
+from refdem.smoke.probes import INTERVAL, Expected, Probe, probes
+from refdem.smoke.suspicion import suspicion
+from refdem.smoke.turning_probes import turning_probes
+
+Array = NDArray[np.float64]
+
+STEP = INTERVAL / 128
+"""[s]. First-order methods are then within 1 % on all probes, whose fastest rate is 20 /s."""
+TOLERANCE = 1e-8
+"""Relative tolerance of methods that control their error: far below BOUND for all of them."""
+BOUND = 0.02
+"""Largest error of a probe in units of its scale: twice the 1 % of first-order methods (STEP), a
+fifth of what BASIS says of a wrong convention.
+"""
+SMOOTH_BOUND = 0.001
+"""The same where the force is smooth and the method claims the order 2 or more, a tolerance, or to
+be exact. Its error is at most C (1 + T/tau) (h/tau)^2 = 5e-4 C at the rate 1/tau = 20 /s, where
+C = 1, so that a number that is wrong by 1 % shows.
+"""
+BASIS = (
+    "a wrong unit, sign, axis or order changes a probe by more than a tenth"
+    " of its scale; truncation error of the method changes it by less than 1"
+    " %"
+)
+SMOOTH_BASIS = (
+    "a number that is wrong by 1 % changes a probe by more than 0.1 % of its"
+    " scale; truncation error of a method of order 2 changes it by less than"
+    " 0.05 % where forces are smooth"
+)
+START_BOUND = 1e-12
+"""Largest error of the first sample in units of its scale, for a method in binary64: a few
+thousand roundings, where a conversion (START_BASIS) takes a few.
+"""
+ENOUGH = 3
+"""Failures with one cause after which an engine that has answered nothing is not asked further."""
+CLOCK_BASIS = (
+    "samples are whole multiples of dyadic steps, so a clock that sums the"
+    " steps makes at most a few thousand roundings"
+)
+START_BASIS = (
+    "the first sample is the initial state of the scene, which an adapter"
+    " converts back and forth with a few roundings"
+)
+
+
+@cache
+def every_probe() -> tuple[Probe, ...]:
+    """All probes, the simplest first: a fault shows in the simplest probe that it touches before it
+    shows in those that follow.
+    """
+    return (
+        *probes(),
+        *force_probes(),
+        *neighbour_probes(),
+        gripping_probe(),
+        *impact_probes(),
+        *turning_probes(),
+    )
+
+
+def smoke(engine: Engine) -> list[Finding]:
+    """The findings on the clock, then on every probe with every method that supports it.
+
+    There is one finding for each quantity compared, that of the method with the largest error. A
+    failure that many probes share is told once, with their names; an engine that has answered
+    nothing and fails alike every time is not asked further.
+    """
+    findings = _worst([counted(engine, method) for method in engine.methods])
+    unasked = []
+    for probe in every_probe():
+        reasons = [(method, _unsupported(engine, method, probe)) for method in engine.methods]
+        supporting = [method for method, reason in reasons if reason is None]
+        if not supporting:
+            sentence = f"the engine does not support this probe: {_refusal(reasons, probe)}"
+            findings.append(
+                Finding(
+                    check="smoke", quantity=probe.name, outcome="unsupported", sentence=sentence
+                )
+            )
+        elif _never_answers(findings):
+            unasked.append(probe.name)
+        else:
+            findings += _worst([_judged(engine, method, probe) for method in supporting])
+    return _told_once(findings, unasked)
+
+
+def _refusal(reasons: list[tuple[Method, str | None]], probe: Probe) -> str:
+    """The reason why no method supports a probe.
+
+    Where the probe runs backwards, that of a method which claims `backward`, if there is one.
+    """
+    claiming = [reason for method, reason in reasons if method.backward or not probe.backwards]
+    others = [reason for _, reason in reasons]
+    return next(iter([*claiming, *others]), None) or "the engine has no methods"
+
+
+def _never_answers(findings: list[Finding]) -> bool:
+    """True if nothing was answered, and ENOUGH failures have one and the same cause."""
+    if any(finding.outcome in ("pass", "fail") for finding in findings):
+        return False
+    failed = [finding for finding in findings if finding.outcome == "error"]
+    return len(failed) >= ENOUGH and len({_cause(finding) for finding in failed}) == 1
+
+
+def _told_once(findings: list[Finding], unasked: list[str]) -> list[Finding]:
+    """The findings, of which the first of several errors with one cause names the others, and the
+    probes that were not asked for any more.
+    """
+    same: dict[str, list[str]] = {}
+    for finding in findings:
+        if finding.outcome == "error":
+            same.setdefault(_cause(finding), []).append(finding.quantity)
+    told = []
+    for finding in findings:
+        if finding.outcome != "error":
+            told.append(finding)
+        elif (quantities := same.pop(_cause(finding), None)) is not None:
+            told.append(_with_others(finding, quantities[1:], unasked))
+    return told
+
+
+def _with_others(finding: Finding, failed: list[str], unasked: list[str]) -> Finding:
+    """The finding on an error, which names the other probes that failed for the same reason, and
+    those that were not tried because of it.
+    """
+    sentence = finding.sentence
+    if failed:
+        sentence += f"; {len(failed)} more failed for the same reason: {', '.join(failed)}"
+    if unasked:
+        sentence += f"; {len(unasked)} were not tried for this reason: {', '.join(unasked)}"
+    return msgspec.structs.replace(finding, sentence=sentence)
+
+
+def _cause(finding: Finding) -> str:
+    """What an error is, without the probe at which it came and the files that are kept of it."""
+    cause = finding.sentence.partition(": ")[2]
+    for ending in (KEPT, NOT_AGAIN):
+        cause = cause.partition(ending)[0]
+    return cause
+
+
+def _unsupported(engine: Engine, method: Method, probe: Probe) -> str | None:
+    """None if the method supports the probe, else the reason."""
+    if probe.backwards and not method.backward:
+        return "no method claims `backward`"
+    return engine.unsupported(Motion(probe.scene, probe.times), method)
+
+
+def _worst(by_method: list[list[Finding]]) -> list[Finding]:
+    """The finding for each quantity of the method with the largest error; errors first."""
+    worst: dict[str, Finding] = {}
+    for finding in (f for findings in by_method for f in findings):
+        worst_so_far = worst.get(finding.quantity)
+        if worst_so_far is None or _badness(finding) > _badness(worst_so_far):
+            worst[finding.quantity] = finding
+    return list(worst.values())
+
+
+def _badness(finding: Finding) -> float:
+    """A number to rank findings by: the error as a part of its bound, above all an error finding,
+    below all a refusal.
+    """
+    if finding.outcome == "unsupported":
+        return -1.0
+    if finding.outcome == "error" or finding.value is None:
+        return np.inf
+    if not finding.bound:
+        return finding.value
+    return finding.value / finding.bound
+
+
+def _judged(engine: Engine, method: Method, probe: Probe) -> list[Finding]:
+    """The findings of one method on one probe."""
+    request = _request(method, probe)
+    try:
+        trajectory, _ = engine.run(request)
+        refuse_other_shape(trajectory, request)
+    except UnsupportedError as error:
+        return [
+            Finding(check="smoke", quantity=probe.name, outcome="unsupported", sentence=str(error))
+        ]
+    # Whatever an adapter raises is its fault, and becomes a finding.
+    except Exception as error:
+        sentence = f"{method.name} on {probe.name!r}: {type(error).__name__}: {error}"
+        return [Finding(check="smoke", quantity=probe.name, outcome="error", sentence=sentence)]
+    findings = [
+        _clock(trajectory, request, probe, method),
+        _first_sample(trajectory, request, probe, method),
+    ]
+    right = probe.right
+    observed = {}
+    for name, expected in right.items():
+        values = _observed(trajectory, name, probe)
+        if values is not None:
+            observed[name] = values.reshape(expected.shape)
+    allowed = _allowed(method, probe)
+    return findings + [
+        _compared(right, observed, name, request, probe, allowed) for name in observed
+    ]
+
+
+def _allowed(method: Method, probe: Probe) -> tuple[float, str]:
+    """The largest error of a probe in units of its scale, and its basis.
+
+    A kink of the force lowers the order of fixed steps, and velocities that lag are compared with
+    those half a step later.
+    """
+    problem = Motion(probe.scene, probe.times)
+    is_second_order = method.control != "step" or method.order_for(problem.features) >= 2
+    is_smooth = not KINKS & problem.features
+    if is_second_order and is_smooth and method.velocity_time == "synchronous":
+        return min(BOUND, SMOOTH_BOUND * max(1.0, method.constant)), SMOOTH_BASIS
+    return BOUND, BASIS
+
+
+def _request(method: Method, probe: Probe) -> Request:
+    """The request for a probe, with a step or a tolerance that makes the method's error small."""
+    request = Request(problem=Motion(probe.scene, probe.times), method=method.name)
+    if method.control == "step":
+        return replace(request, step=STEP)
+    if method.control == "tolerance":
+        return replace(request, tolerance=TOLERANCE)
+    return request
+
+
+def _few_roundings(method: Method) -> float:
+    """The relative error of a few thousand roundings in double precision, of a few in single."""
+    return max(START_BOUND, CLOCK_ROUNDINGS * method.round_off)
+
+
+def _clock(trajectory: Trajectory, request: Request, probe: Probe, method: Method) -> Finding:
+    """The finding on the engine's own times, which must be the samples that were asked for."""
+    times = request.problem.times
+    error = float(np.max(np.abs(trajectory.t - times)) / np.max(np.abs(times)))
+    sentence = (
+        f"{request.method}: the relative error of the clock at the last sample is {error:.2g}"
+    )
+    return bounded(f"{probe.name}: clock", error, _few_roundings(method), CLOCK_BASIS, sentence)
+
+
+def _first_sample(
+    trajectory: Trajectory, request: Request, probe: Probe, method: Method
+) -> Finding:
+    """The finding on row 0, which must be the scene's state; in a periodic box any image of a place
+    will do.
+
+    Velocities that lag are of half a step earlier and are left out.
+    """
+    scene = request.problem.scene
+    bodies = scene.bodies
+    names: tuple[str, ...] = ("position", "attitude")
+    if method.velocity_time == "synchronous":
+        names = STATE
+    distances = []
+    for column in names:
+        first = getattr(trajectory, column)[0]
+        expected = getattr(bodies, column)
+        for box in scene.all(PeriodicBox):
+            if column == "position":
+                first = expected + box.nearest(first - expected)
+        is_attitude = column == "attitude"
+        distance = _largest(first, expected, signless=is_attitude)
+        distances.append((distance, column))
+    error, name = max(distances)
+    sentence = (
+        f"{request.method}: the first sample differs from the initial state of the"
+        f" scene by {error:.2g} of its scale, in {name}"
+    )
+    quantity = f"{probe.name}: first sample"
+    return bounded(quantity, error, _few_roundings(method), START_BASIS, sentence)
+
+
+def _largest(values: Array, expected: Array, *, signless: bool = False) -> float:
+    """The largest difference, relative to the largest expected number or 1.
+
+    `signless` compares up to the sign of each vector: q and -q are the same attitude.
+    """
+    difference = np.abs(values - expected)
+    if signless:
+        to_opposite = np.abs(values + expected)
+        is_nearer = difference.max(axis=-1, keepdims=True) < to_opposite.max(axis=-1, keepdims=True)
+        difference = np.where(is_nearer, difference, to_opposite)
+    return float(difference.max() / max(1.0, np.abs(expected).max()))
+
+
+DERIVED: dict[str, Callable[[Trajectory, Array], Array]] = {
+    "omega_body": lambda run, inertia: rotated(conjugate(run.attitude), run.omega),
+    "angular_momentum": lambda run, inertia: momentum.spin(inertia, run.attitude, run.omega)[
+        :, None
+    ],
+}
+
+
+def _observed(trajectory: Trajectory, name: str, probe: Probe) -> Array | None:
+    """The values of a quantity in a trajectory; None for a channel that it does not have."""
+    if name in DERIVED:
+        return DERIVED[name](trajectory, probe.scene.bodies.inertia)
+    if name in STATE:
+        state: Array = getattr(trajectory, name)
+        return state
+    return trajectory.channels.get(name)
+
+
+def _compared(
+    right: Expected,
+    observed: Expected,
+    name: str,
+    request: Request,
+    probe: Probe,
+    allowed: tuple[float, str],
+) -> Finding:
+    """The finding on one quantity, compared with its formula over the whole run.
+
+    `right` and `observed` have all quantities, for the suspicion of what the adapter got wrong;
+    `allowed` is the bound with its basis.
+    """
+    values = observed[name]
+    expected = right[name]
+    error = _largest(values, expected, signless=name == "attitude")
+    bound, basis = allowed
+    sentence = f"{request.method}: the error of {name} is {error:.2g} of its scale"
+    if not error <= bound:
+        by_sample = np.abs(values - expected).reshape(len(values), -1).max(axis=1)
+        worst = int(np.argmax(by_sample))
+        sentence += (
+            f": at t = {probe.times[worst]:g} s the value is {_text(values[worst])}, expected"
+            f" {_text(expected[worst])}"
+        )
+        elapsed = probe.times - probe.start
+        suspected = suspicion(right, observed, name, elapsed, probe.mistaken)
+        hint = suspected or f"check how the adapter converts {probe.shows}"
+        sentence += f"; {hint}"
+    return bounded(f"{probe.name}: {name}", error, bound, basis, sentence)
+
+
+def _text(values: Array) -> str:
+    """The numbers of an array to 4 decimals, on one line."""
+    rounded = np.round(np.squeeze(values), 4)
+    lines = np.array2string(rounded, separator=", ", max_line_width=1000)
+    return lines.replace("\n", "")

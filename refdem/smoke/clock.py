@@ -1,0 +1,170 @@
+"""The first finding of a smoke test: the program takes exactly `stride` steps from each sample to
+the next.
+
+A program that compares times instead of counting steps takes one too many or too few where the sum
+of its steps is rounded. The excess of steps at a sample is (time passed - time asked for)/step.
+"""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from refdem.core.engine import Engine, Method
+from refdem.core.finding import Finding, Outcome
+from refdem.core.problem import COUNT, Motion, Request
+from refdem.core.trajectory import Trajectory
+from refdem.errors import EngineError, UnsupportedError
+from refdem.smoke.clock_probes import (
+    ROUND,
+    ROUNDED,
+    SAMPLES,
+    ClockScene,
+    clock_scenes,
+    request,
+    times,
+)
+
+Array = NDArray[np.float64]
+
+QUANTITY = "clock: steps"
+BOUND = 0.25
+"""Bound [steps] of the excess. One step too many is 1; a method's own error, and a lag of half a
+step that stays the same, are not in it.
+"""
+BASIS = (
+    "consecutive samples are exactly `stride` whole steps apart; summed step"
+    " times are rounded and must not be compared"
+)
+PLAUSIBLE = (0.5, 2.0)
+"""Time passed over time asked for. Outside these limits units are wrong, which other probes show,
+and steps are measured in the program's own pace."""
+
+
+def counted(engine: Engine, method: Method) -> list[Finding]:
+    """The finding on the steps that a method takes, on the first scene that it supports.
+
+    The list is empty for a method without steps, or if it supports no scene.
+    """
+    if method.control != "step":
+        return []
+    for scene in clock_scenes():
+        if engine.unsupported(Motion(scene.scene, times(ROUND[0], 1.0)), method) is not None:
+            continue
+        try:
+            return [_judged(engine, method, scene)]
+        except UnsupportedError:
+            continue
+        # Whatever an adapter raises is its fault, and becomes a finding.
+        except Exception as error:
+            sentence = f"{method.name} on a {scene.name}: {type(error).__name__}: {error}"
+            return [Finding(check="smoke", quantity=QUANTITY, outcome="error", sentence=sentence)]
+    return []
+
+
+def _judged(engine: Engine, method: Method, scene: ClockScene) -> Finding:
+    """The finding on the largest excess of steps over all intervals, forwards and (where claimed)
+    backwards.
+    """
+    worst = 0.0
+    sentence = f"{method.name} takes `stride` steps from each sample to the next"
+    directions = [1.0]
+    if method.backward:
+        directions.append(-1.0)
+    for direction in directions:
+        plain, trajectory = _run(engine, method, scene, ROUND, direction)
+        pace = _pace(scene.passed(trajectory), plain)
+        for interval in (ROUND, *ROUNDED):
+            asked, trajectory = _run(engine, method, scene, interval, direction)
+            excess = _excess_steps(scene, asked, trajectory, pace)
+            largest = float(np.max(np.abs(excess)))
+            # Written so that an excess that is not a number counts as a miscount.
+            is_worst_miscount = not largest <= max(BOUND, worst)
+            worst = max(worst, largest)
+            if is_worst_miscount:
+                sentence = (
+                    f"{method.name} {_miscount(excess, asked.stride)}, with steps of"
+                    f" {asked.signed_step!r} s: {COUNT}"
+                )
+    return bounded(QUANTITY, worst, BOUND, BASIS, sentence)
+
+
+def bounded(quantity: str, value: float, bound: float, basis: str, sentence: str) -> Finding:
+    """A finding of the smoke test: a pass if the value is within the bound."""
+    outcome: Outcome = "fail"
+    if value <= bound:
+        outcome = "pass"
+    return Finding(
+        check="smoke",
+        quantity=quantity,
+        outcome=outcome,
+        sentence=sentence,
+        value=value,
+        bound=bound,
+        basis=basis,
+    )
+
+
+def _run(
+    engine: Engine, method: Method, scene: ClockScene, interval: tuple[float, int], direction: float
+) -> tuple[Request, Trajectory]:
+    """The request for a scene over an interval (length [s], stride), and its trajectory."""
+    asked = request(scene.scene, method.name, *interval, direction)
+    trajectory, _ = engine.run(asked)
+    refuse_other_shape(trajectory, asked)
+    return asked, trajectory
+
+
+def refuse_other_shape(trajectory: Trajectory, asked: Request) -> None:
+    """Raises EngineError unless there is a row for each sample and body."""
+    expected = (len(asked.problem.times), len(asked.problem.scene.bodies), 3)
+    shape = trajectory.position.shape
+    if shape != expected:
+        raise EngineError(
+            f"trajectory.position has shape {shape}; expected {expected}: samples, bodies, axes"
+        )
+
+
+def _pace(passed: Array, asked: Request) -> float:
+    """Time passed over time asked for if that is a matter of units, else 1.
+
+    `passed` (T,) [s] is the time that the state shows. A ratio within PLAUSIBLE is a miscount of
+    steps, not another unit.
+    """
+    total = asked.problem.times[-1] - asked.problem.times[0]
+    pace = abs(float(passed[-1] / total))
+    slowest, fastest = PLAUSIBLE
+    is_miscounted = slowest <= pace <= fastest or pace == 0
+    if is_miscounted or not np.isfinite(pace):
+        return 1.0
+    return pace
+
+
+def _excess_steps(scene: ClockScene, asked: Request, run: Trajectory, pace: float) -> Array:
+    """Steps (T,) taken beyond those asked for, up to each sample.
+
+    Measured by the state and by the program's own time, whichever deviates more.
+    """
+    elapsed = asked.problem.times - asked.problem.times[0]
+    by_state = (scene.passed(run) / pace - elapsed) / asked.signed_step
+    by_clock = (run.t - run.t[0] - elapsed) / asked.signed_step
+    excess: Array = np.where(np.abs(by_state) >= np.abs(by_clock), by_state, by_clock)
+    return excess
+
+
+def _miscount(excess: Array, stride: int) -> str:
+    """The kind of miscount that an excess of steps (T,) shows, as the end of a sentence."""
+    if np.all(np.round(excess[1:]) == -stride):
+        return (
+            "shows every sample after the first one sample late: row n holds the state after n"
+            " times `stride` steps"
+        )
+    sample = int(np.argmax(np.abs(excess)))
+    count = max(1, round(abs(float(excess[sample]))))
+    if count == 1:
+        steps = "1 step"
+    else:
+        steps = f"{count} steps"
+    if excess[sample] > 0:
+        amount = "many"
+    else:
+        amount = "few"
+    return f"has taken {steps} too {amount} at sample {sample} of {SAMPLES}"

@@ -1,0 +1,70 @@
+"""A task is judged as soon as its runs are there, and from runs in the order in which they were
+asked for, whatever ended first.
+"""
+
+from collections.abc import Iterator
+
+import pytest
+
+from refdem.core import discovery
+from refdem.core.finding import Record
+from refdem.core.run import Run
+from refdem.execution.spool import Spool, spool
+from refdem.planning import judging, plan
+from refdem.planning.in_process import run_of
+from refdem.planning.records import records
+from refdem.planning.runs import Asked, Runner
+from refdem.planning.specification import Entry, Specification
+
+
+class Backwards(Runner):
+    """Makes runs here, the last that was asked for first."""
+
+    def __init__(self, spool: Spool, told: list[str]) -> None:
+        object.__setattr__(self, "spool", spool)
+        object.__setattr__(self, "told", told)
+
+    def runs(self, asked: list[Asked], stage: str) -> Iterator[tuple[Asked, Run]]:
+        """The runs in the opposite order."""
+        for one in reversed(asked):
+            made = run_of(one.task.engine, one.request)
+            assert made.trajectory is not None
+            self.spool.keep(one.key, made.trajectory.to_bytes())
+            run = Run(
+                key=one.key, request=one.request, engine="reference", version="1", cost=made.cost
+            )
+            self.told.append("run")  # type: ignore[attr-defined]
+            yield one, run
+
+
+@pytest.fixture
+def told(monkeypatch: pytest.MonkeyPatch) -> list[str]:
+    """What happens, in its order: each run, and each record."""
+    happened: list[str] = []
+    record = judging.record
+
+    def noted(*arguments: object) -> Record:
+        happened.append("record")
+        return record(*arguments)  # type: ignore[arg-type]
+
+    monkeypatch.setattr(judging, "record", noted)
+    return happened
+
+
+def test_a_task_is_judged_when_its_own_runs_have_ended(told: list[str]) -> None:
+    specification = Specification(
+        name="t", case=[Entry("harmonic-oscillator")], levels=2, checks=["error", "reversal"]
+    )
+    instance = discovery.case("harmonic-oscillator").at(duration="4", samples="16")
+    every = plan.tasks(specification, instance, (), discovery.engine("reference"), None)
+    tasks = [task for task in every if task.method.name in ("velocity-verlet", "rk4")]
+    assert len(tasks) == 2
+    with spool() as trajectories:
+        judged, runs = records(Backwards(trajectories, told), tasks, {"reference": "1"}, 0)
+        for number, task in enumerate(tasks):
+            variants = list(runs.of_task(number))
+            assert judged[number].method == task.method.name
+            assert variants[: len(task.variants)] == [v for v in task.variants if v in variants]
+    assert told.count("record") == 2
+    # The first is judged before the runs of the other.
+    assert told.index("record") < len(told) - 1 - told[::-1].index("run")
