@@ -1,4 +1,6 @@
-"""The block on a slope: x runs down the slope, y is its normal, and gravity is tilted."""
+"""A block on a plane, level or sloping: x runs down the slope, y is its normal, and gravity is
+tilted.
+"""
 
 import numpy as np
 
@@ -10,6 +12,8 @@ from refdem.scene.elements.uniform_gravity import UniformGravity
 
 SIDES = (2.0, 0.25, 2.0)
 """Of the block [m]: flat, so that it slides before it tips on any slope below 8 in 1."""
+PLANE = Plane(normal=(0.0, 1.0, 0.0))
+"""Level in the case's axes: it is gravity that is tilted."""
 
 
 def tilt(p: Parameters) -> tuple[float, float]:
@@ -26,11 +30,24 @@ def tilt(p: Parameters) -> tuple[float, float]:
 def scene(p: Parameters) -> Scene:
     """The block flat on the plane y = 0."""
     sine, cosine = tilt(p)
+    gravity = UniformGravity(g=(p.gravity * sine, -p.gravity * cosine, 0.0))
+    return Scene.of([block(p.mass)], [PLANE, gravity, Contact(law="rigid", friction=p.friction)])
+
+
+def height() -> float:
+    """The height of the block's centre over the plane [m]."""
+    return SIDES[1] / 2
+
+
+def block(mass: float, x: float = 0.0, v: float = 0.0) -> Body:
+    """A block that lies on the plane y = 0."""
     # J_x = m/12 (b^2 + c^2) for the sides a, b, c, and so on.
     squares = np.square(SIDES)
-    x, y, z = (p.mass / 12 * (squares.sum() - squares)).tolist()
-    height = SIDES[1]
-    block = Body(mass=p.mass, inertia=(x, y, z), position=(0.0, height / 2, 0.0), shape=box(*SIDES))
-    gravity = UniformGravity(g=(p.gravity * sine, -p.gravity * cosine, 0.0))
-    contact = Contact(law="rigid", friction=p.friction)
-    return Scene.of([block], [Plane(normal=(0.0, 1.0, 0.0)), gravity, contact])
+    jx, jy, jz = (mass / 12 * (squares.sum() - squares)).tolist()
+    return Body(
+        mass=mass,
+        inertia=(jx, jy, jz),
+        position=(x, height(), 0.0),
+        velocity=(v, 0.0, 0.0),
+        shape=box(*SIDES),
+    )

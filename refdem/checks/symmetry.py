@@ -29,6 +29,7 @@ from refdem.core.judgement import (
     followed,
     growth_shown,
     largest_so_far,
+    moves,
     perturbation,
     room_of,
     undecided,
@@ -37,7 +38,10 @@ from refdem.core.judgement import (
 from refdem.core.refinement import COUNTING_FLOOR, scored
 from refdem.core.trajectory import Trajectory
 from refdem.core.variant import Variant
+from refdem.scene import Polyhedron
 from refdem.scene.elements.contact import Contact
+from refdem.scene.elements.uniform_gravity import UniformGravity
+from refdem.scene.shapes import extent
 
 SWITCHES = frozenset({"contact", "friction", "catch", "wedge"})
 """Elements that switch discontinuously: where the switch falls on the end of a step, rounding
@@ -497,6 +501,8 @@ def _decided_by_rounding(
     shown = _differences_of_perturbed_starts(subject, runs, base)
     if not shown:
         return truncation
+    if _lies_on_plane(subject):
+        return truncation + _fall_in_a_step(subject, level) * growth
     # What decisions by rounding make of the plain run, seen in its perturbed starts.
     largest = np.maximum.reduce(shown)
     slip = alternating_slip(subject, base, level)
@@ -509,6 +515,31 @@ def _decided_by_rounding(
     if _iterates(subject):
         observed = observed + _left_by_iterations(subject, runs, growth, image)
     return np.minimum(observed, truncation)
+
+
+def _lies_on_plane(subject: Subject) -> bool:
+    """True if a polyhedron moves along a plane on which gravity presses it, by rigid contact.
+
+    Its corners touch to the last bit, so that a rounding decides at any step which of them do, and
+    few perturbed starts decide as an image does.
+    """
+    scene = subject.instance.scene
+    truth = certified(subject)
+    is_sliding = truth is not None and moves(truth)
+    on_plane = {"contact:rigid", "plane", "shape:polyhedron", "uniform_gravity"}
+    return is_sliding and _iterates(subject) and on_plane <= scene.features
+
+
+def _fall_in_a_step(subject: Subject, level: float) -> float:
+    """The velocity g h that a corner gains in a step without contact, and the spin g h/R that a
+    body of extent R gains if others hold it, in units of the scales; for both runs.
+    """
+    scene = subject.instance.scene
+    scales = subject.instance.scales
+    fields = [np.array(field.g) for field in scene.all(UniformGravity)]
+    speed = float(np.linalg.norm(np.sum(fields, axis=0))) * level
+    smallest = min(extent(shape) for shape in scene.bodies.shape if isinstance(shape, Polyhedron))
+    return 2 * max(speed / scales.speed, speed / smallest * scales.tau)
 
 
 def _in_scales(subject: Subject, slip: float) -> float:

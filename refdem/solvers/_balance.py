@@ -168,6 +168,22 @@ def tipping(scene: Scene, law: Contact, load: Load) -> str | None:
     return _Standing(scene, load.normal, load.point, down).instability()
 
 
+def overturning(scene: Scene, load: Load, line: Array) -> str | None:
+    """None if the one body slides both ways along a line (3,) of the plane without tipping over,
+    pushed at its centre along it, else the reason.
+
+    The plane's force is N (normal) and at most mu N against the motion, and has no torque about
+    the centre if its line through it meets the face on which the body slides.
+    """
+    friction = scene.all(Contact)[0].friction
+    for heading in (line, -line):
+        down = friction * heading - load.normal
+        reason = _Standing(scene, load.normal, load.point, down).instability()
+        if reason is not None:
+            return reason
+    return None
+
+
 class _Standing:
     """Bodies on a plane, each with its lowest and highest face, and the question which stands on
     which.

@@ -29,7 +29,10 @@ CATALOGUE = {
         ["theta", "thetadot", "x", "y", "rod_force"],
     ),
     "harmonic-oscillator": ("mass stiffness gravity x0 v0", ["x", "v"]),
-    "coulomb-oscillator": ("mass stiffness friction_force x0 v0", ["x", "v"]),
+    "coulomb-oscillator": (
+        "member mass stiffness friction_force x0 v0 gravity",
+        ["x", "v"],
+    ),
     "stick-slip": ("a mu0 mu1 lambda0 lambda1 friction_law belt gamma eta x0 v0", ["x", "v"]),
     "viscous-oscillator": ("mass stiffness gravity delta x0 v0", ["x", "v"]),
     "driven-oscillator": ("mass stiffness gravity delta f0 drive x0 v0", ["x", "v"]),

@@ -13,6 +13,9 @@ from refdem.scene.elements.slider import Slider
 
 friction = partial(Fault, kind="friction")
 
+ALONG_THE_LINE = (2.0**-8, 0.0, 0.0)
+"""Velocity [m/s] of a transport along the line v = 0."""
+
 
 def _slip(parts: Parts, slider: Slider, velocity: Any) -> Any:
     """Velocity [m/s] of the body along the slider's axis."""
@@ -22,6 +25,17 @@ def _slip(parts: Parts, slider: Slider, velocity: Any) -> Any:
 def _regularised(sound: Parts) -> dict[str, Any]:
     """Friction fades with the speed, as sgn(0) = 0 wants: what should stick creeps."""
     return regularised(sound, _slip, lambda slider, u: slider.friction, counts_work=True)
+
+
+def _transported(sound: Parts) -> dict[str, Any]:
+    """What friction holds moves along x at v = 0: transport along that line of phase space."""
+
+    def drifted(r: Any, v: Any, h: Any) -> Any:
+        if any(v):
+            return sound.drifted(r, v, h)
+        return sound.drifted(r, ALONG_THE_LINE, h)
+
+    return {"drifted": drifted}
 
 
 def _without_damping(sound: Parts) -> dict[str, Any]:
@@ -99,6 +113,13 @@ FAULTS = (
         on=("rubbing",),
         sees=("stop", "creep"),
         inside=_regularised,
+    ),
+    friction(
+        name="friction-transports",
+        sentence="What dry friction holds is transported along the line v = 0.",
+        on=("rubbing",),
+        sees=("stop", "creep"),
+        inside=_transported,
     ),
     friction(
         name="contact-friction-pushes",
