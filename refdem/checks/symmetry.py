@@ -40,6 +40,7 @@ from refdem.core.trajectory import Trajectory
 from refdem.core.variant import Variant
 from refdem.scene import Polyhedron
 from refdem.scene.elements.contact import Contact
+from refdem.scene.elements.spring import Spring
 from refdem.scene.elements.uniform_gravity import UniformGravity
 from refdem.scene.shapes import extent
 
@@ -518,16 +519,17 @@ def _decided_by_rounding(
 
 
 def _lies_on_plane(subject: Subject) -> bool:
-    """True if a polyhedron moves along a plane on which gravity presses it, by rigid contact.
+    """True if a polyhedron moves, or a spring pulls it, along a plane on which gravity presses it,
+    by rigid contact.
 
     Its corners touch to the last bit, so that a rounding decides at any step which of them do, and
     few perturbed starts decide as an image does.
     """
     scene = subject.instance.scene
     truth = certified(subject)
-    is_sliding = truth is not None and moves(truth)
+    is_pulled = bool(scene.all(Spring)) or (truth is not None and moves(truth))
     on_plane = {"contact:rigid", "plane", "shape:polyhedron", "uniform_gravity"}
-    return is_sliding and _iterates(subject) and on_plane <= scene.features
+    return is_pulled and _iterates(subject) and on_plane <= scene.features
 
 
 def _fall_in_a_step(subject: Subject, level: float) -> float:

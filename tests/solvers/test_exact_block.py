@@ -28,6 +28,16 @@ LANDING = {
     "friction_force": "0.5287",
 }
 """Shifted, its corners touch a step later in pymunk, as a rounding decides."""
+STUCK = {
+    "mass": "26.2",
+    "stiffness": "3.34",
+    "x0": "0.108",
+    "gravity": "66.1",
+    "friction_force": "2790",
+}
+"""The spring is weaker than friction; units decide which corners touch in pymunk."""
+FAST = {"x0": "10", "gravity": "5", "friction_force": "1", "samples": "32"}
+"""Contacts that are as hard as MuJoCo allows throw this block up."""
 
 
 def findings(engine, method, **given):
@@ -64,10 +74,16 @@ def test_pymunk_holds_it(given):
     assert found["stop", "stop_time"].outcome == found["order", "state"].outcome == "pass"
 
 
+def test_pymunk_holds_a_block_that_never_moves():
+    pytest.importorskip("pymunk")
+    assert blamed(findings("pymunk", "semi-implicit-euler", **STUCK)) == []
+
+
+@pytest.mark.parametrize("given", [HELD, FAST], ids=["default", "fast"])
 @pytest.mark.parametrize("method", ["euler", "rk4"])
-def test_mujoco_holds_it(method):
+def test_mujoco_holds_it(method, given):
     pytest.importorskip("mujoco")
-    found = findings("mujoco", method, **HELD)
+    found = findings("mujoco", method, **given)
     assert blamed(found) == []
     assert found["stop", "stop_time"].outcome == found["order", "state"].outcome == "pass"
 

@@ -52,10 +52,14 @@ def add(
 
 
 def rubs(scene: Scene, law: Contact) -> bool:
-    """True if shapes may slide on one another: something moves, or gravity acts along a plane."""
+    """True if shapes may slide on one another: something moves, gravity acts along a plane, or
+    anything but gravity and contact acts.
+    """
     if not law.friction > 0 or not scene.has_shapes():
         return False
     if scene.bodies.velocity.any() or scene.bodies.omega.any():
+        return True
+    if any(not isinstance(element, Contact | Plane | UniformGravity) for element in scene.elements):
         return True
     for field in scene.all(UniformGravity):
         g = np.array(field.g)

@@ -231,6 +231,14 @@ def test_what_moves_or_is_pulled_along_a_plane_may_rub(
     assert impedance_of(scene, law) == (2.0**-10 if expected else 0.9999)
 
 
+def test_what_a_spring_pulls_may_rub() -> None:
+    law = Contact(law="rigid", friction=0.25)
+    gravity = UniformGravity(g=(0.0, 0.0, -9.0))
+    pull = Spring(a=0, stiffness=2.0, anchor_b=(3.0, 0.0, 1.0))
+    assert not rubs(Scene.of([cube()], [GROUND, gravity, law]), law)
+    assert rubs(Scene.of([cube()], [GROUND, gravity, pull, law]), law)
+
+
 def test_a_linear_contact_is_in_direct_form_for_the_effective_mass() -> None:
     """-k/m_eff and -c/m_eff with 1/m_eff = 1/2 + 1/3."""
     effective = 1.2
