@@ -14,7 +14,7 @@ from flint import arb, arb_series, ctx
 
 from refdem.core import discovery
 from refdem.truth.balls import CONTEXT, precision, series_length, terms_of
-from refdem.truth.lyapunov import exponent
+from tests.exponents import exponent
 
 SOURCE = Path(__file__).parents[2] / "refdem"
 SETTINGS = {name for name in dir(ctx) if not name.startswith("_")}

@@ -25,8 +25,8 @@ from refdem.truth.smooth_flow import pair
 
 AXES = "xyz"
 WITNESS = (
-    "Taylor series of Euler's and the quaternion equation (refdem/truth/witness.py): no elliptic or"
-    " theta function"
+    "Taylor series of Euler's and the quaternion equation (tests/quadratic_flows.py): no elliptic"
+    " or theta function"
 )
 BODY_OMEGA = tuple(f"omega_body.{a}" for a in AXES)
 OMEGA = tuple(f"omega.{a}" for a in AXES)

@@ -36,7 +36,7 @@ from refdem.truth.validated_flow import Quantities, ValidatedFlow
 
 WITNESS = (
     "Taylor series of (cos theta, sin theta, thetadot) with a proven remainder"
-    " (refdem/truth/witness.py): no elliptic function"
+    " (tests/quadratic_flows.py): no elliptic function"
 )
 
 

@@ -63,7 +63,7 @@ class LogisticFlow(Iterated):
 
     method = "closed form: 1/(1 + (1/x0 - 1) exp(-eta t))"
     witness = (
-        "Taylor series of x' = eta x (1 - x) with a proven remainder (refdem/truth/witness.py)"
+        "Taylor series of x' = eta x (1 - x) with a proven remainder (tests/quadratic_flows.py)"
     )
     word = "iterate"
 

@@ -16,7 +16,7 @@ from refdem.truth import rotation
 from refdem.truth.balls import UndecidedError, arb_of, precision
 from refdem.truth.closed_forms.free_rigid_body import FreeRigidBody
 from refdem.truth.free_body import Axisymmetric, Elliptic, Separatrix, Steady
-from refdem.truth.witness import body_flow
+from tests.quadratic_flows import body_flow
 
 SCALE = dict.fromkeys(
     ("omega_body.x", "omega_body.y", "omega_body.z", "omega.x", "omega.y", "omega.z", "attitude.w"),

@@ -12,7 +12,7 @@ from flint import arb
 from refdem.core.discovery import case, truth_of
 from refdem.truth.balls import UndecidedError, arb_of, precision
 from refdem.truth.closed_forms.pendulum import Equilibrium, Pendulum, Revolution, Separatrix, Swing
-from refdem.truth.witness import pendulum_flow
+from tests.quadratic_flows import pendulum_flow
 
 NAMES = ("theta", "thetadot", "x", "y", "rod_force")
 STARTS = [

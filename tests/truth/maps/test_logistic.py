@@ -11,8 +11,8 @@ from flint import arb, fmpq
 from refdem.core.discovery import truth_of
 from refdem.errors import NotCertifiedError, UsageError
 from refdem.truth.balls import precision
-from refdem.truth.maps import feigenbaum
-from refdem.truth.witness import Quadratic
+from tests import feigenbaum
+from tests.quadratic_flows import Quadratic
 
 # mpmath with 900 digits, x -> 15/4 x (1 - x) from 1/4, 1000 times
 FAR = Fraction("0.602088330620032084144587959032762099216780088")

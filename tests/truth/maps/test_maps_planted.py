@@ -9,10 +9,11 @@ from flint import arb, arb_mat
 
 from refdem.errors import NotCertifiedError
 from refdem.truth.balls import UndecidedError, arb_of, precision
-from refdem.truth.maps import feigenbaum, rectangle
+from refdem.truth.maps import rectangle
 from refdem.truth.maps.logistic import LogisticFlow, LogisticMap
 from refdem.truth.maps.rectangle import Crossings, Rectangle
 from refdem.truth.maps.stadium import ARC, WALL, Bounce, Stadium
+from tests import feigenbaum
 
 ONE = {"x_n": 1}
 SCALE = {"position.x": 4, "position.y": 4, "direction.x": 1, "direction.y": 1}

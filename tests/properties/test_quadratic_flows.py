@@ -6,7 +6,7 @@ import pytest
 from flint import arb
 
 from refdem.truth.balls import arb_of, precision
-from refdem.truth.witness import Quadratic, body_flow, pendulum_flow
+from tests.quadratic_flows import Quadratic, body_flow, pendulum_flow
 
 SQUARE = Quadratic([[(arb(1), 0, 0)]])
 

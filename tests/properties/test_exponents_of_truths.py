@@ -12,7 +12,7 @@ from flint import arb, arb_mat
 from refdem.core.discovery import truth_of
 from refdem.errors import NotCertifiedError
 from refdem.truth.balls import precision
-from refdem.truth.lyapunov import exponent, exponents, log_stretch, variation
+from tests.exponents import exponent, exponents, log_stretch, variation
 
 
 @pytest.mark.parametrize(
