@@ -340,6 +340,9 @@ def test_centres_and_spins_about_a_stable_axis_agree_in_every_order_of_summation
 
 
 def test_a_body_whose_opposite_torques_follow_each_other_never_turns_over():
-    (about_second,) = fallen((1,), 2.0)
-    spins_along = rotated(about_second.attitude[:, 0], np.array([0.0, 1.0, 0.0]))
-    assert np.abs(spins_along - spins_along[0]).max() < 1e-15
+    (about_second,) = fallen((1,), 36.0)
+    q = about_second.attitude[:, 0]
+    # Runge-Kutta steps do not keep the length of the quaternion.
+    unit = q / np.linalg.norm(q, axis=1, keepdims=True)
+    spins_along = rotated(unit, np.array([0.0, 1.0, 0.0]))
+    assert np.abs(spins_along - spins_along[0]).max() < 1e-12
