@@ -1,11 +1,12 @@
-"""Impacts of the rigid law in the transparent engine: where spheres meet, they exchange an impulse.
+"""Impacts of the rigid law in the transparent engine: where spheres meet, they exchange an impulse;
+where a corner meets a plane without friction, it turns its body as well.
 
 Notation: n is the unit normal from body i to body j or a plane, c the closing speed, s the slip of
 the points that touch, p and -k s the impulse along and across the normal on body i.
 """
 
 from refdem.faults import vectors as vec
-from refdem.faults.loads import meeting
+from refdem.faults.loads import arm_of, meeting
 from refdem.faults.parts import ImpactParts, Moving
 from refdem.faults.state import State
 from refdem.faults.vectors import Number, Vector
@@ -36,6 +37,16 @@ def tangential_impulse(
     return vec.times(-factor, slip)
 
 
+def corner_ease(inverse_mass: Number, lever: Vector, inertia: Vector) -> Number:
+    """1/m + (r x n) . J^-1 (r x n) [1/kg] of a corner; `lever` is r x n in body axes."""
+    return inverse_mass + vec.dot(lever, vec.over_axis(lever, inertia))
+
+
+def corner_torque(arm: Vector, impulse: Vector) -> Vector:
+    """The change r x P of the angular momentum [N m s] by an impulse at a corner."""
+    return vec.cross(arm, impulse)
+
+
 def meets(closing: Number) -> bool:
     """Spheres that touch meet if they close."""
     return bool(closing > 0)
@@ -45,9 +56,15 @@ SOUND_IMPACTS = ImpactParts(
     normal_impulse=normal_impulse,
     tangential_ease=tangential_ease,
     tangential_impulse=tangential_impulse,
+    corner_ease=corner_ease,
+    corner_torque=corner_torque,
     meets=meets,
 )
 
+AS_DEEP = 1e-4
+"""Part of their distance from the centre by which corners of one edge may differ in depth: rounding
+in single precision.
+"""
 APART = 1.0
 """What stands for the margin of a pair that does not close."""
 
@@ -69,6 +86,9 @@ def struck(motion: Moving, state: State, number: int) -> None:
     parts = motion.parts
     world = motion.world
     law = world.law
+    if world.corners[number] is not None:
+        _struck_at_corner(motion, state, number)
+        return
     i, j = world.pairs[number]
     normal, _, closing, relative = meeting(world, state, parts, number)
     inverse_mass = 1 / world.mass[i]
@@ -90,6 +110,39 @@ def struck(motion: Moving, state: State, number: int) -> None:
         _push(motion, state, j, normal, parts.reaction(impulse), rubbing)
     # What the kinetic energies lose is the work of the contact.
     state.work = state.work + before - _energy(motion, state, i) - _energy(motion, state, j)
+    motion.events.append((state.t, "contact", i))
+
+
+def _struck_at_corner(motion: Moving, state: State, number: int) -> None:
+    """Makes the impact of a corner and a plane, whose impulse P = -p n turns the body by r x P.
+
+    Corners that are as deep are one edge, which meets the plane in its middle; the second of them
+    does not close any more.
+    """
+    parts = motion.parts
+    world = motion.world
+    i, _ = world.pairs[number]
+    normal, depth, closing, _ = meeting(world, state, parts, number)
+    if not parts.impacts.meets(closing):
+        return
+    arms = []
+    for other, pair in enumerate(world.pairs):
+        _, other_depth, _, _ = meeting(world, state, parts, other)
+        arm = arm_of(world, state, parts, other)
+        if pair == world.pairs[number] and abs(other_depth - depth) < AS_DEEP * vec.size(arm):
+            arms.append(arm)
+    arm = vec.ZERO
+    for each in arms:
+        arm = vec.moved(arm, 1 / len(arms), each)
+    lever = parts.to_body(state.q[i], vec.cross(arm, normal))
+    inverse_mass = parts.impacts.corner_ease(1 / world.mass[i], lever, world.inertia[i])
+    pressing = parts.impacts.normal_impulse(world.law, inverse_mass, closing)
+    impulse = vec.times(-pressing, normal)
+    before = _energy(motion, state, i)
+    state.v[i] = parts.kicked(state.v[i], impulse, world.mass[i], 1.0)
+    turning = parts.to_body(state.q[i], parts.impacts.corner_torque(arm, impulse))
+    state.w[i] = parts.spun_up(state.w[i], turning, world.inertia[i], 1.0)
+    state.work = state.work + before - _energy(motion, state, i)
     motion.events.append((state.t, "contact", i))
 
 

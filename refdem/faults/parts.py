@@ -52,6 +52,8 @@ class ImpactParts:
     normal_impulse: Callable[[Contact, Number, Number], Number]
     tangential_ease: Callable[[Number, Number, Number], Number]
     tangential_impulse: Callable[[Contact, Number, Vector, Number], Vector]
+    corner_ease: Callable[[Number, Vector, Vector], Number]
+    corner_torque: Callable[[Vector, Vector], Vector]
     meets: Callable[[Number], bool]
 
 

@@ -394,6 +394,16 @@ REBOUND: Rows = (
     ("samples", "16"),
 )
 """A rigid sphere that slides along a wall while it meets it."""
+CORNER: Rows = (
+    ("mass", between(0.75, 2)),
+    ("sides", listed(between(1, 1.25), between(0.75, 0.875))),
+    ("angle", between(0.4375, 0.625)),
+    ("height", between(1, 1.5)),
+    ("velocity", listed(signed(0.125, 0.375), between(-1.25, -0.75))),
+    ("restitution", between(0.625, 0.875)),
+    ("samples", "16"),
+)
+"""A box that comes down on one corner and turns away."""
 CRADLE: Rows = (
     ("balls", "3"),
     ("masses", listed(between(2, 3), between(0.5, 0.75), between(2, 3), *4 * [between(1, 1)])),
@@ -589,6 +599,7 @@ SETTINGS: Mapping[str, Setting] = {
     "rub": Setting("hard-spheres", RUB, TOUCHING),
     "grip": Setting("hard-spheres", GRIP, TOUCHING),
     "rebound": Setting("hard-wall", REBOUND, TOUCHING),
+    "corner": Setting("corner-impact", CORNER, TOUCHING),
     "cradle": Setting("newtons-cradle", CRADLE, TOUCHING),
     "break": Setting("billiard-break", BREAK, TOUCHING),
     "elastic-cradle": Setting("newtons-cradle", ELASTIC_CRADLE, TOUCHING),

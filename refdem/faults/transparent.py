@@ -229,12 +229,14 @@ precision.
 
 def _rigid_refused(scene: Scene) -> str | None:
     """None without a rigid law, or for spheres that turn alike about all axes, on which nothing but
-    gravity acts: impacts of any number, or one that lies on a plane.
+    gravity acts: impacts of any number, or one that lies on a plane; and for a polyhedron alone.
     """
     if "contact:rigid" not in scene.features:
         return None
     if not all(isinstance(element, Contact | Plane | UniformGravity) for element in scene.elements):
         return "the transparent engine has no rigid contact under forces other than gravity"
+    if _is_smooth_corner(scene):
+        return None
     moments = scene.bodies.inertia
     is_round = scene.bodies.radius > 0
     if not is_round.all() or np.any(moments != moments[:, :1]) or not moments.all():
@@ -250,6 +252,13 @@ def _rigid_refused(scene: Scene) -> str | None:
             "the transparent engine has no rigid contact with a plane from the start under gravity"
         )
     return None
+
+
+def _is_smooth_corner(scene: Scene) -> bool:
+    """One polyhedron in free flight meets planes rigidly, without friction."""
+    law = scene.all(Contact)[0]
+    is_smooth = law.law == "rigid" and law.friction == 0 and not scene.all(UniformGravity)
+    return is_smooth and [type(shape) for shape in scene.bodies.shape] == [Polyhedron]
 
 
 def _is_on_plane(scene: Scene) -> bool:
@@ -270,14 +279,17 @@ def _fixed_refused(scene: Scene, method: Method) -> str | None:
 
 
 def _corners_refused(scene: Scene) -> str | None:
-    """None without polyhedra that can touch, or for one alone whose corners slide on planes."""
+    """None without polyhedra that can touch, or for one alone whose corners slide on planes, or
+    meet them rigidly in flight without friction.
+    """
     if not scene.all(Contact) or not any(
         isinstance(shape, Polyhedron) for shape in scene.bodies.shape
     ):
         return None
     law = scene.all(Contact)[0]
     spring = law.friction > 0 and (law.tangential_stiffness > 0 or law.branch != "R")
-    if len(scene.bodies) > 1 or spring or law.law != "linear":
+    is_known = law.law == "linear" or _is_smooth_corner(scene)
+    if len(scene.bodies) > 1 or spring or not is_known:
         return "the transparent engine has no such contact of polyhedra"
     return None
 

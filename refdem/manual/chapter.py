@@ -31,6 +31,8 @@ OTHERS = re.compile(r"(?:figure|Table|exercise) 1\.\d+(?: [a-e]\b)?")
 class Item(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """Something that the chapter states, the case that runs it, and what is seen to be wrong: the
     fault `kills`, or any of `numbers`, names of quantities or of rows of them, that is off.
+
+    `picture` is the id of a figure that shows the item and is none of the chapter's.
     """
 
     where: str
@@ -39,6 +41,7 @@ class Item(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True
     set: dict[str, str] = {}
     kills: str = ""
     numbers: tuple[str, ...] = ()
+    picture: str = ""
 
     @property
     def instance(self) -> Instance:
@@ -102,7 +105,8 @@ def cited(where: str) -> set[str]:
 def lines(pictures: Collection[str]) -> Iterator[ChapterLine]:
     """The lines of the table, one an item; `pictures` are the ids of the figures of the gallery."""
     for item in items():
-        figures = [name for name in _figures_of(item.where) if name in pictures]
+        shown = [*_figures_of(item.where), item.picture]
+        figures = [name for name in shown if name in pictures]
         yield ChapterLine(
             where=item.where,
             states=item.states,

@@ -56,6 +56,10 @@ CATALOGUE = {
     "hertz-spheres": ("effective_mass stiffness closing_speed", ["overlap", "v"]),
     "asymmetric-field": ("mass k1 x1 x2 x0 v0", ["x", "v"]),
     "wedge-collision": ("mass k1 k2 closing_speed", ["overlap", "v"]),
+    "corner-impact": (
+        "mass sides angle height velocity restitution",
+        ["x", "y", "vx", "vy", "theta", "omega"],
+    ),
     "logistic": ("eta x0 n form", ["x_n"]),
     "lorenz": ("sigma rho beta start interval n", ["x", "y", "z"]),
     "billiards": (

@@ -7,9 +7,11 @@ import pytest
 
 from refdem.errors import UsageError
 from refdem.gallery import gallery
+from refdem.gallery.corner_weights import fallen
 from refdem.gallery.figures.fig_co_4 import ANGLES, LABELS
 from refdem.gallery.measured import readings
 from refdem.gallery.outline import finer
+from refdem.mechanics.quaternion import rotated
 from refdem.report.numbers import significant
 
 CHAPTER = (
@@ -28,7 +30,7 @@ def series(name, label):
 
 
 def test_every_computed_figure_of_the_chapter_has_a_file():
-    assert gallery.names() == [*CHAPTER.split(), "co-4", "restitution"]
+    assert gallery.names() == [*CHAPTER.split(), "co-4", "restitution", "summation-order"]
 
 
 def test_an_unknown_figure_is_refused_with_the_nearest():
@@ -318,3 +320,29 @@ def test_the_return_map_of_the_belt_fills_intervals_and_that_of_the_logistic_map
     value = next(number for what, number in logistic.items() if "3.5699" in what)
     assert abs(value - 0.538045) < 3 * logistic["its standard error"] < 0.05
     assert logistic["box dimension at eta = 4"] == 1.0
+
+
+def test_orders_of_summation_turn_bodies_apart_at_the_rate_of_eulers_equations():
+    numbers = figure("summation-order").numbers
+    rate = numbers["rate at which their angles grow [1/s]"]
+    # omega sqrt((J2 - J1)(J3 - J2)/(J1 J3)) = 4 sqrt(1/8), by hand.
+    assert rate == pytest.approx(np.sqrt(2), rel=1e-5)
+    assert numbers["its standard error [1/s]"] < 1e-5
+    assert rate < numbers["rate at which the certified bound S grows [1/s]"] < 1.02 * rate
+    assert numbers["largest angle about the intermediate axis [rad]"] > 3
+
+
+def test_centres_and_spins_about_a_stable_axis_agree_in_every_order_of_summation():
+    numbers = figure("summation-order").numbers
+    assert numbers["height that they fall [m]"] == pytest.approx(9.7 * 36**2 / 2)
+    assert 0 < numbers["largest distance of their centres [m]"] < 1e-13
+    assert 0 < numbers["largest angle about the third axis [rad]"] < 1e-13
+
+
+def test_a_body_whose_opposite_torques_follow_each_other_never_turns_over():
+    (about_second,) = fallen((1,), 36.0)
+    q = about_second.attitude[:, 0]
+    # Runge-Kutta steps do not keep the length of the quaternion.
+    unit = q / np.linalg.norm(q, axis=1, keepdims=True)
+    spins_along = rotated(unit, np.array([0.0, 1.0, 0.0]))
+    assert np.abs(spins_along - spins_along[0]).max() < 1e-12

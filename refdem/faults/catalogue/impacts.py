@@ -361,6 +361,20 @@ FAULTS = (
         inside=_at_the_end_of_the_step,
     ),
     impact(
+        name="corner-impulse-does-not-turn",
+        sentence="The impulse at a corner acts on the centre: the body does not turn.",
+        on=("corner",),
+        sees=("error", "omega"),
+        inside=_of_impact(corner_torque=lambda arm, impulse: vec.ZERO),
+    ),
+    impact(
+        name="corner-impulse-of-a-point",
+        sentence="The effective mass of a corner is that of the body, as if it could not turn.",
+        on=("corner",),
+        sees=("error", "vy"),
+        inside=_of_impact(corner_ease=lambda inverse_mass, lever, inertia: inverse_mass),
+    ),
+    impact(
         name="break-normal-is-turned",
         sentence="The normal of an impact is a thousandth of a radian off the line of centres.",
         on=("break",),

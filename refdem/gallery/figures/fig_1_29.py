@@ -24,9 +24,10 @@ def figure() -> Figure:
     caption = (
         "a = 10, belt 1 m/s; above gamma = 0.5 and the quadratic law, which fit the chapter's axes;"
         " below gamma = 2 and the linear law. While it sticks it moves exactly as the belt: the"
-        " flat top of an orbit. Sixty periods of the drive are left out, twenty shown. A slip of"
-        " the chapter: above, what fills a band is not chaos, for its largest exponent is 0 within"
-        " its error. It is positive below at eta = 1.05 and 1.25, chaos, whose titles have it."
+        " flat top of an orbit. Sixty periods of the drive are left out, twenty shown. Above, what"
+        " fills a band is not chaos: its largest exponent is 0 within its error. The chapter gives"
+        " no gamma, so that its own motions may be others. The exponent is positive below at eta ="
+        " 1.05 and 1.25, chaos, whose titles have it."
     )
     return Figure(
         id="1.29",

@@ -36,10 +36,11 @@ def figure() -> Figure:
     caption = (
         "After 80 periods of the drive, the places at which the velocity passes zero with x > 0"
         " during 120 more; each panel below the second is a part of the one before. Few dots above"
-        " one frequency are a periodic motion, many a motion that never closes. A slip of the"
-        " chapter: at gamma = 0.5 and the quadratic law, which fit its axes, what it calls chaos is"
-        " quasi-periodic, for no frequency has an exponent above zero by three standard errors. At"
-        " gamma = 2 and the linear law many have; magnified, the map does not repeat itself."
+        " one frequency are a periodic motion, many a motion that never closes. At gamma = 0.5 and"
+        " the quadratic law, which fit the chapter's axes, no frequency has an exponent above zero"
+        " by three standard errors: what fills a line there is quasi-periodic. The chapter, which"
+        " calls it chaos, gives no gamma. At gamma = 2 and the linear law many exponents are"
+        " positive; magnified, the map does not repeat itself."
     )
     title = "Return map of the stick-slip oscillator"
     return Figure(

@@ -1,0 +1,170 @@
+"""A rigid box, or any prism, that comes down on a smooth plane with one corner and turns away, in
+closed form.
+"""
+
+from dataclasses import dataclass
+from time import perf_counter
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from refdem.core.engine import Method
+from refdem.core.problem import Motion, Request
+from refdem.core.trajectory import Cost, Event, Trajectory
+from refdem.mechanics.quaternion import product, rotated, turned_by
+from refdem.scene import Polyhedron, Scene
+from refdem.scene.elements.contact import Contact
+from refdem.scene.elements.plane import Plane
+from refdem.solvers._scene_pattern import ONE, ScenePattern, SceneSolver
+
+Array = NDArray[np.float64]
+ALIKE = 1e-12
+"""Part of the radius by which corners may differ in height and still touch together."""
+
+
+class ExactCornerImpact(SceneSolver):
+    """A straight line, one impulse, and a straight line with a turn at a constant rate."""
+
+    claims = Method(
+        name="exact-corner-impact",
+        summary="straight line, impulse at a corner, turn at a constant rate",
+        control="exact",
+        locates_events=True,
+        cost_rank=1,
+    )
+
+    pattern = ScenePattern(
+        elements={Contact: ONE, Plane: ONE},
+        bodies=ONE,
+        shape=Polyhedron,
+        law="rigid",
+        may_spin=False,
+        has_inertia=True,
+        in_plane=True,
+        irreversible="an impact has forgotten where it came from",
+    )
+
+    def unfit(self, problem: Motion) -> str | None:
+        """None for a smooth plane that one edge along z meets, and no other one after it, else the
+        reason.
+        """
+        scene = problem.scene
+        if scene.all(Contact)[0].friction > 0:
+            return "friction on a corner"
+        met = _met(scene)
+        if isinstance(met, str):
+            return met
+        lasts = float(problem.times[-1] - problem.times[0]) - met.time
+        if lasts > met.clear and not met.is_clear_for_ever:
+            return "a second corner may meet the plane"
+        return None
+
+    def run(self, request: Request) -> tuple[Trajectory, Cost]:
+        """States at the samples, the energy lost and the impact."""
+        begun = perf_counter()
+        problem = request.problem
+        bodies = problem.scene.bodies
+        met = _met(problem.scene)
+        assert isinstance(met, _Impact)
+        started = perf_counter()
+        t = problem.times - problem.times[0]
+        since = np.maximum(t - met.time, 0.0)[:, None, None]
+        has_met = t > met.time
+        position = bodies.position + bodies.velocity * t[:, None, None] + met.kick * since
+        velocity = bodies.velocity + np.where(has_met[:, None, None], met.kick, 0.0)
+        omega = np.where(has_met[:, None, None], met.omega, 0.0)
+        attitude = product(turned_by(met.omega * since), bodies.attitude)
+        events = []
+        if has_met.any():
+            events.append(Event(time=float(problem.times[0] + met.time), kind="contact", body=0))
+        trajectory = Trajectory(
+            t=problem.times,
+            position=position,
+            velocity=velocity,
+            attitude=attitude,
+            omega=omega,
+            channels={"dissipated_work": np.where(has_met, met.lost, 0.0)},
+            events=tuple(events),
+        )
+        seconds = perf_counter() - started
+        return trajectory, Cost(seconds=seconds, setup=started - begun)
+
+
+@dataclass(frozen=True)
+class _Impact:
+    """When it comes [s], the velocity (3,) [m/s] and the angular velocity (3,) [rad/s] that it
+    gives, the energy [J] that it takes, and how long [s] no corner can come down after it.
+    """
+
+    time: float
+    kick: Array
+    omega: Array
+    lost: float
+    clear: float
+    is_clear_for_ever: bool
+
+
+def _met(scene: Scene) -> _Impact | str:
+    """The impact of the lowest corner, or why there is none that is alone."""
+    bodies = scene.bodies
+    plane = scene.all(Plane)[0]
+    normal = np.array(plane.normal)
+    shape: Any = bodies.shape[0]
+    arms = rotated(bodies.attitude[0], np.array(shape.vertices))
+    radius = float(np.linalg.norm(arms[:, :2], axis=1).max())
+    heights = arms @ normal
+    low = heights < heights.min() + ALIKE * radius
+    # The corners of one edge along z touch together, as one corner in the plane of the motion.
+    arm = arms[low][0] * np.array([1.0, 1.0, 0.0])
+    if np.ptp((arms[low] - arm)[:, :2], axis=0).max() > ALIKE * radius:
+        return "a face that meets the plane"
+    gap = float((bodies.position[0] - np.array(plane.point)) @ normal + heights.min())
+    closing = -float(bodies.velocity[0] @ normal)
+    if gap <= 0 or closing <= 0:
+        return "a body that does not come down on the plane from above it"
+    mass = float(bodies.mass[0])
+    inertia = float(bodies.inertia[0, 2])
+    lever = float(arm[0] * normal[1] - arm[1] * normal[0])
+    # J = (1 + e) c/(1/m + (r x n)^2/I).
+    ease = 1 / mass + lever**2 / inertia
+    e = scene.all(Contact)[0].restitution
+    impulse = (1 + e) * closing / ease
+    rate = lever * impulse / inertia
+    rise = impulse / mass - closing
+    clear = _clear(arms, normal, heights, low, rise, rate, radius)
+    above = -float(heights.min())
+    return _Impact(
+        time=gap / closing,
+        kick=impulse / mass * normal,
+        omega=np.array([0.0, 0.0, rate]),
+        lost=(1 - e * e) * closing**2 / (2 * ease),
+        clear=clear,
+        is_clear_for_ever=rise > 0 and radius - above < rise * clear,
+    )
+
+
+def _clear(
+    arms: Array,
+    normal: Array,
+    heights: Array,
+    low: NDArray[np.bool_],
+    rise: float,
+    rate: float,
+    radius: float,
+) -> float:
+    """The time [s] after the impact in which no corner can come down.
+
+    A corner is at least g + u s - R omega^2 s^2/2 above the plane, with its height g and its
+    velocity u right after the impact: nothing accelerates it but the rotation.
+    """
+    gap = np.where(low, 0.0, heights - heights.min())
+    rising = rise + rate * (arms[:, 0] * normal[1] - arms[:, 1] * normal[0])
+    bend = radius * rate**2
+    if bend == 0:
+        return float(np.inf)
+    roots = (rising + np.sqrt(rising**2 + 2 * bend * gap)) / bend
+    return float(roots.min())
+
+
+METHOD = ExactCornerImpact()
