@@ -20,6 +20,7 @@ from refdem.core.case import Instance
 from refdem.core.truth import Ball, Truth
 from refdem.truth import rotation
 from refdem.truth.balls import arb_of, ball_of, precision
+from refdem.truth.closed_forms.hertz_spheres import HertzSpheres
 from refdem.truth.closed_forms.rigid_cluster import RigidCluster
 from refdem.truth.collision import Collision
 from refdem.truth.validated_flow import ValidatedFlow
@@ -202,6 +203,8 @@ class Attack:
         stretched.
         """
         if t == 0 or self.case not in WITH_SPRINGS or self.member in DROPPED:
+            return True
+        if isinstance(self.truth, HertzSpheres):
             return True
         if isinstance(self.truth, Collision) and not self.truth.phases.kt:
             return True

@@ -8,11 +8,13 @@ corner with arm s = R c has the gap g = z + s_z and the velocity u = v + w x s; 
 zero_force).
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property
 from typing import Any
+
+from flint import arb
 
 from refdem.truth.events.system import Entry, Guard, Mode, State, along
 from refdem.truth.reals import root
@@ -25,6 +27,9 @@ IDLES = "i"
 """The mark of a corner that is below the plane and does not press, as its dashpot would pull."""
 SIGNS = tuple((x, y, z) for x in (-1, 1) for y in (-1, 1) for z in (-1, 1))
 """The corners of the box, by the signs of their coordinates in body axes."""
+
+Stops = Callable[[State], arb | None]
+"""A bound of the time [s] until a corner stops, from balls of a state; None if none is proved."""
 
 
 @dataclass(frozen=True)
@@ -49,27 +54,30 @@ class Slope:
         q' = q omega_body/2, L' = sum of s x F, x' = v, v' = F/m + gravity.
         """
 
-        def rates(y: Vector) -> list[Any]:
-            body = BodyState(self, y)
-            # The angle as a number of the trace, which has sin and cos.
-            angle = y[0] * 0 + self.slope
-            force: list[Any] = [
-                angle.sin() * self.gravity * self.mass,
-                0,
-                -angle.cos() * self.gravity * self.mass,
-            ]
-            torque: list[Any] = [0, 0, 0]
-            for corner in sorted(pressing):
-                corner_force = body.force_on(corner)
-                corner_torque = cross(body.arm(corner), corner_force)
-                force = [a + b for a, b in zip(force, corner_force, strict=True)]
-                torque = [a + b for a, b in zip(torque, corner_torque, strict=True)]
-            velocity = y[10:13]
-            acceleration = [f / self.mass for f in force]
-            clock_rate = 1
-            return [*body.attitude_rate(), *torque, *velocity, *acceleration, clock_rate]
+        return lambda y: self.rates(y, pressing, {})
 
-        return rates
+    def rates(self, y: Vector, pressing: frozenset[int], forces: Mapping[int, Vector]) -> list[Any]:
+        """The rates of the state y while these corners press; `forces` (3) are on corners where
+        they are not those of the law.
+        """
+        body = BodyState(self, y)
+        # The angle as a number of the trace, which has sin and cos.
+        angle = y[0] * 0 + self.slope
+        force: list[Any] = [
+            angle.sin() * self.gravity * self.mass,
+            0,
+            -angle.cos() * self.gravity * self.mass,
+        ]
+        torque: list[Any] = [0, 0, 0]
+        for corner in sorted(pressing):
+            corner_force = forces.get(corner) or body.force_on(corner)
+            corner_torque = cross(body.arm(corner), corner_force)
+            force = [a + b for a, b in zip(force, corner_force, strict=True)]
+            torque = [a + b for a, b in zip(torque, corner_torque, strict=True)]
+        velocity = y[10:13]
+        acceleration = [f / self.mass for f in force]
+        clock_rate = 1
+        return [*body.attitude_rate(), *torque, *velocity, *acceleration, clock_rate]
 
     @cached_property
     def window(self) -> Fraction:
@@ -148,15 +156,21 @@ def side(square: Any) -> Any:
     return square.sqrt()
 
 
+StopsOf = Callable[[Slope, frozenset[int], Sequence[Guard]], Stops | None]
+
+
 class Modes(dict[str, Mode]):
     """Modes by name, made as they are entered.
 
     A name has each corner that touches, with p where it presses and i where it idles: `3p 5i`.
+    `stops` gives the proof that a corner stops (refdem/truth/tumbling_stop.py) from the system, the
+    corners that press and the guards.
     """
 
-    def __init__(self, system: Slope) -> None:
+    def __init__(self, system: Slope, stops: StopsOf) -> None:
         super().__init__()
         self.system = system
+        self.stops = stops
 
     def __missing__(self, name: str) -> Mode:
         marks = {int(part[:-1]): part[-1] for part in name.split()}
@@ -164,7 +178,12 @@ class Modes(dict[str, Mode]):
         for corner in range(len(SIGNS)):
             guards += self.guards(corner, marks)
         pressing = frozenset(corner for corner, mark in marks.items() if mark == PRESSES)
-        self[name] = Mode(self.system.field(pressing), tuple(guards), window=self.system.window)
+        self[name] = Mode(
+            self.system.field(pressing),
+            tuple(guards),
+            window=self.system.window,
+            stops=self.stops(self.system, pressing, guards),
+        )
         return self[name]
 
     def guards(self, corner: int, marks: dict[int, str]) -> list[Guard]:

@@ -18,10 +18,12 @@ import pytest
 from refdem.core import discovery
 from refdem.core.case import Instance
 from refdem.core.truth import Truth
+from refdem.truth.collision import Collision
 from tests.attack import BODIES, LOOKS, MARGIN, MAX_OVERESTIMATE, Array, Attack, balls, doubles
 from tests.displaced import has_displaced_starts
 from tests.properties.test_started_again import STARTS, UNDRIVEN, Again, random_again
 from tests.random_settings import NAMES, SETTINGS, first_accepted, settings, written
+from tests.struck_contacts import largest_growths
 from tests.two_truths import asked_at
 
 NOT_ATTACKED = {
@@ -86,6 +88,15 @@ JUST_AFTER = Fraction(1, 10**4)
 """Seconds after a release at which a stick-slip motion is struck: friction takes what comes before,
 and a little later impulses grow by less.
 """
+CONTACTS = ("co-7", "three-spheres")
+"""Members of impact-benchmarks that are struck within the contact too: of impulses at the start
+alone 1/1.9 and 1/13 of S was found.
+"""
+STRIKES_IN_CONTACT = 32
+"""That are made at equal distances: S of three-spheres rises and falls several times in a contact.
+"""
+AFTER_CONTACT = (Fraction(5, 4), Fraction(2))
+"""When growths are compared besides, in parts of the contact's duration."""
 FEWEST = 39
 """Cases that are attacked, of those that are files of refdem itself."""
 
@@ -236,3 +247,45 @@ def test_s_after_a_release_is_what_impulses_just_after_it_grow_to():
         growths.append(np.abs(grown).sum(axis=1).max())
     assert growths == pytest.approx([1.24, 54.6, 24.3], rel=0.02)
     assert max(growths) <= truth.sensitivity(end) <= 1.1 * max(growths)
+
+
+def setting_of(rng: random.Random, member: str) -> dict[str, str]:
+    """A random setting of a member of impact-benchmarks."""
+    while True:
+        given = settings(rng, "impact-benchmarks")
+        if given["member"] == member:
+            return written("impact-benchmarks", given)
+
+
+@pytest.mark.parametrize("number", range(SETTINGS))
+@pytest.mark.parametrize("member", CONTACTS)
+def test_s_of_a_contact_is_at_most_1_4_times_what_impulses_within_it_grow_to(member, number):
+    def made(rng: random.Random) -> list[tuple[float, float]]:
+        given = setting_of(rng, member)
+        truth = discovery.case("impact-benchmarks").at(**given).truth()
+        assert isinstance(truth, Collision)
+        lasts = truth.scalars()["duration"].mid.limit_denominator(10**12)
+        parts = [Fraction(3 * k + 1, 3 * STRIKES_IN_CONTACT) for k in range(STRIKES_IN_CONTACT)]
+        times = [part * lasts for part in (*parts, *AFTER_CONTACT)]
+        # Before touch, and at the start.
+        early = Attack("impact-benchmarks", given, rng, times=[Fraction(0), *times[1:]])
+        found = []
+        for place, growth in enumerate(largest_growths(truth, times), 1):
+            found.append((early.bounds[place], max(growth, *early.growths(place))))
+        return found
+
+    for bound, growth in first_accepted(f"impact-benchmarks {member}", number, made):
+        assert growth <= bound * (1 + MARGIN)
+        assert bound <= MAX_OVERESTIMATE * max(1, growth)
+
+
+@pytest.mark.parametrize("number", range(SETTINGS))
+def test_s_of_a_hertzian_benchmark_is_at_most_1_4_times_the_largest_growth_that_is_found(number):
+    """Its quantities say its whole state, within the contact too."""
+
+    def made(rng: random.Random) -> Attack:
+        return Attack("impact-benchmarks", setting_of(rng, "co-1"), rng, looks=SHARP_LOOKS)
+
+    attack = first_accepted("impact-benchmarks co-1", number, made)
+    assert attack.violations() == []
+    assert attack.overestimates() == []

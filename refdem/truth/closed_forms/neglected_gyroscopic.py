@@ -31,6 +31,7 @@ from refdem.truth.growth import CLOSED_BITS, Told
 from refdem.truth.refiner import Size
 from refdem.truth.rotation import rotated, times, upright
 from refdem.truth.tumbling_contact import BodyState, Modes, Slope, lean_rates, rotation
+from refdem.truth.tumbling_stop import first_stop
 from refdem.truth.vectors import dot
 
 PLACE = ("x", "y", "z")
@@ -91,7 +92,7 @@ def tumbling(system: Slope, start: Sequence[Any], scale: Mapping[str, Size]) -> 
     length = Fraction(sizes["x"])
     sizes |= {"spin": max(system.inertia) * omega_size, "speed": length * omega_size}
     return HybridFlow(
-        TracedModes(Modes(system), len(start), lean_rates),
+        TracedModes(Modes(system, first_stop), len(start), lean_rates),
         start,
         lambda y: Entry(""),
         partial(seen, system),

@@ -15,12 +15,13 @@ class Following:
     """The motion and the course on which its steps are marked.
 
     A motion that can be scouted goes on at the pace of its scout, which knows the pieces of modes
-    to come; another one at that of its cycles. `is_final` says that it ended where more bits do not
-    help.
+    to come; another one at that of its cycles. It is followed to `t` (by the clock of the motion);
+    `is_final` says that it ended before, where more bits do not help.
     """
 
-    def __init__(self, motion: Followed, course: Course) -> None:
+    def __init__(self, motion: Followed, course: Course, t: Fraction) -> None:
         self.motion = motion
+        self.t = t
         self.course = course
         self.scout: EventScout | None = None
         # How many times the radius of the set `at` has read at most.
@@ -36,6 +37,9 @@ class Following:
             self.motion.follow()
         except UndecidedError as error:
             self.is_final = error.final
+            return False
+        if self.motion.is_stopped_before(arb_of(self.t)):
+            self.is_final = True
             return False
         # The mark of this step is the next one.
         number = len(self.course.marks)
@@ -57,8 +61,8 @@ class Following:
             read = of_set * self.excess
         return motion.reached(), pieces, read
 
-    def look_ahead(self, steps: int, t: float) -> None:
-        """Sends the scout so many steps on, up to t [s], once the motion shows a pace.
+    def look_ahead(self, steps: int) -> None:
+        """Sends the scout so many steps on, up to t, once the motion shows a pace.
 
         Few pieces are enough where it came to t. Where it can go no further (a series that ends has
         no radius) the pace is that of cycles.
@@ -69,6 +73,7 @@ class Following:
             self.scout = EventScout(self.motion)
         if self.scout is None:
             return
+        t = float(self.t)
         self.scout.go_on(steps, t)
         course = self.course
         if self.scout.is_over or self.scout.times[-1] >= t:

@@ -90,6 +90,8 @@ class Followed(Guarded):
         """
         while self.is_open(t):
             self.follow()
+            if self.is_stopped_before(t):
+                raise self.stop()
         clocks = [float(phase.entered[-1].mid()) for phase in self.phases]
         # The clocks are midpoints of balls: only the phases beside the one they name can hold t.
         nearest = bisect_right(clocks, float(t.mid()))
@@ -126,6 +128,22 @@ class Followed(Guarded):
         """True if nothing is left to follow: the motion ended, or its last phase never does."""
         return self.ended or self.phases[-1].never
 
+    def is_stopped_before(self, t: arb) -> bool:
+        """True if every motion of the set has been proved to run into a singularity before t."""
+        phase = self.phases[-1]
+        if phase.stopped is None:
+            return False
+        return bool(t > phase.entered[-1] + phase.stopped)
+
+    def stop(self) -> SwitchError:
+        """The end of a motion whose last phase has been proved to stop."""
+        phase = self.phases[-1]
+        assert phase.stopped is not None
+        stopped = phase.entered[-1] + phase.stopped
+        time = float(stopped.upper())
+        message = f"the motion runs into a singularity by t = {time:.8g} s"
+        return self.with_last_state(phase, SwitchError("singular", message, time))
+
     def is_open(self, t: arb) -> bool:
         """True if the last phase has not been followed past t."""
         phase = self.phases[-1]
@@ -161,6 +179,8 @@ class Followed(Guarded):
         except SwitchError as error:
             raise self.with_last_state(phase, error) from None
         except UndecidedError as error:
+            if phase.stopped is not None:
+                raise self.stop() from None
             ended = SwitchError(error.code, str(error), float(phase.searched))
             raise self.with_last_state(phase, ended) from None
 

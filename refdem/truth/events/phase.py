@@ -37,7 +37,8 @@ class Phase(Chain):
 
     `searched` is the time up to which no guard has a zero, `ends` the guard that ends the phase and
     a ball of when, once it is found; `never` says that nothing ends it. `entered` has balls of the
-    state at the entry, with the clock last.
+    state at the entry, with the clock last. `stopped` bounds the time by which every motion has run
+    into a singularity of the field, once that is proved.
     """
 
     def __init__(
@@ -62,6 +63,7 @@ class Phase(Chain):
         self.entered = self.hull_at_entry()
         self.never = False
         self.ends: tuple[Guard, arb] | None = None
+        self.stopped: arb | None = None
         self.exit = arb_mat(0, 0)
 
     def hull_at_entry(self) -> list[arb]:
@@ -80,6 +82,7 @@ class Phase(Chain):
                 self.leave()
                 return
         if self.searched >= self.pieces[-1].end:
+            self.look_for_stop()
             self.advance()
         piece = self.pieces[-1]
         rest = max(piece.end - self.searched, piece.length * BEYOND)
@@ -99,6 +102,17 @@ class Phase(Chain):
             else:
                 self.searched = high
             return
+
+    def look_for_stop(self) -> None:
+        """Sets `stopped` where the mode proves a stop from the end of the last piece, up to which
+        no guard has a zero.
+        """
+        stops = self.mode.mode.stops
+        if stops is None or self.stopped is not None:
+            return
+        since = stops(self.reached())
+        if since is not None:
+            self.stopped = arb_of(self.end) + since
 
     def event_in(self, piece: Piece, low: Fraction, high: Fraction) -> tuple[str, arb] | None:
         """The name of the guard that is zero first in the window (low, high] of the last piece, and

@@ -75,6 +75,19 @@ class EventScout:
                 self.advance()
             except UndecidedError:
                 self.ended = True
+            if self.is_stopped_before(t):
+                self.ended = True
+                self.is_over = True
+
+    def is_stopped_before(self, t: float) -> bool:
+        """Whether the motion from the place that the scout has reached is proved to run into a
+        singularity before t [s], so that a proof goes no further.
+        """
+        stops = self.mode.mode.stops
+        if stops is None:
+            return False
+        since = stops(self.scout.y)
+        return since is not None and self.times[-1] + float(since) < t
 
     def advance(self) -> None:
         """Makes a step, or the part of one up to an event, which it passes."""

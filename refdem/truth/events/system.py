@@ -56,13 +56,16 @@ class Mode:
     name of the guard that ends the mode and a ball of the time since the entry at which it does, or
     None if it never ends; it raises UndecidedError where balls cannot tell.
     `window` [s] is about the time between sign changes of the guards: longer pieces are searched
-    window by window.
+    window by window. `stops(y)`, where the field has a singularity that motions run into, gets
+    balls of a state and returns a bound of the time [s] since then by which all of them have, or
+    None where that is not proved.
     """
 
     field: Field
     guards: tuple[Guard, ...] = ()
     leaves: Callable[[State], tuple[str, arb] | None] | None = None
     window: Fraction = Fraction(1)
+    stops: Callable[[State], arb | None] | None = None
 
 
 class Traced:

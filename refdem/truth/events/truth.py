@@ -202,14 +202,14 @@ class EventProof(Guarded, Generic[Motion]):
         target = log2(self.refiner.target().numerator) - log2(self.refiner.target().denominator)
         time = float(t)
         motion = self.motion(course.bits)
-        following = Following(motion, course)
+        following = Following(motion, course, t)
 
         def next_bits(bits: int, lacking: float | None) -> int | None:
             return next((rung for rung in LADDER if rung > bits), None)
 
         def work() -> float:
             """What is left, as the scout sees it, who goes AHEAD of each window."""
-            following.look_ahead(AHEAD, time)
+            following.look_ahead(AHEAD)
             return course.work_to(time, target, next_bits)
 
         if motion.over():
