@@ -23,6 +23,10 @@ SAFE = 0.875
 """The part of the time in which no corner can come down that a run lasts at most."""
 ROUNDED = 2.0**-20
 """More than the part of it by which a duration may be rounded up."""
+LEAST_APART = 1 / 64
+"""Part of L that a second corner is at least above the plane at the impact: fixed steps see the
+impact up to a step late, and a program may see two corners in the plane by then.
+"""
 MOST_TURNED = 3.0
 """The largest turn [rad] between samples: of half a turn the sense would not be known."""
 
@@ -58,6 +62,7 @@ class Meeting:
         x, y = turn @ (signs * half).T
         gap = y - self.arm[1]
         gap[0] = 0.0
+        self.second = float(gap[1:].min())
         rising = self.rise + self.omega * x
         bend = self.radius * self.omega**2
         roots = [root(g, u, bend) for g, u in zip(gap, rising, strict=True)]
@@ -172,7 +177,15 @@ class CornerImpact(Case):
                 f"parameter height: got {p.height:g} m; expected more than {-meeting.arm[1]:g} m,"
                 " a box above the plane"
             )
-        lasts = p.duration or self.scales(p).duration
+        scales = self.scales(p)
+        least = LEAST_APART * scales.length
+        if meeting.second < least:
+            raise UsageError(
+                f"parameter angle: got {p.angle:g} rad, with which a second corner is"
+                f" {meeting.second:.3g} m above the plane at the impact; expected at least"
+                f" {least:.3g} m, so that steps which see the impact late see one corner"
+            )
+        lasts = p.duration or scales.duration
         latest = meeting.latest
         if lasts > latest:
             raise UsageError(

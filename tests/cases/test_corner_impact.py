@@ -10,6 +10,7 @@ from refdem.core import discovery
 from refdem.core.problem import Request
 from refdem.engines.reference import ENGINE
 from refdem.errors import UsageError
+from refdem.planning.in_process import record_of, task_of, truth_of
 
 CASE = discovery.case("corner-impact")
 
@@ -27,6 +28,8 @@ def test_its_parameters_and_quantities_have_these_names() -> None:
         ({"height": "1/2"}, "above the plane"),
         ({"restitution": "0"}, "restitution"),
         ({"angle": "1.6"}, "angle"),
+        ({"angle": "1/64"}, "see one corner"),
+        ({"sides": "8,1/64", "angle": "3/2", "height": "18"}, "see one corner"),
         ({"angle": "1/16", "duration": "3"}, "second corner"),
         ({"duration": "40", "samples": "8"}, "turns by at most"),
     ],
@@ -34,6 +37,25 @@ def test_its_parameters_and_quantities_have_these_names() -> None:
 def test_what_is_no_single_impact_of_a_corner_is_refused(given: dict[str, str], word: str) -> None:
     with pytest.raises(UsageError, match=word):
         CASE.at(**given)
+
+
+def test_pymunk_is_right_about_a_corner_that_leaves_slowly_in_other_units() -> None:
+    """Chipmunk parts what overlaps by a tenth in 1/60 s, in whatever unit of time."""
+    pytest.importorskip("pymunk")
+    instance = CASE.at(
+        mass="76.3",
+        sides="2.2,0.975",
+        angle="0.95",
+        height="4.25",
+        velocity="-2.79,-6.88",
+        restitution="0.01",
+        samples="33",
+    )
+    truth = truth_of(instance)
+    task = task_of(discovery.engine("pymunk"), "semi-implicit-euler", instance, truth, 4)
+    found = {(one.check, one.quantity): one for one in record_of(task).findings}
+    assert [one.sentence for one in found.values() if one.outcome == "fail"] == []
+    assert found["symmetry", "rescaled"].outcome == "pass"
 
 
 def test_the_reference_answers_it() -> None:
