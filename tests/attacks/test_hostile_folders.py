@@ -14,7 +14,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from tests.campaign.test_exchange import TOML, run
+from tests.planning.test_exchange import TOML, run
 
 from refdem.bench.memory import reset_peak, resident
 
