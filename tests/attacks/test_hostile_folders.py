@@ -14,9 +14,9 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from tests.planning.test_exchange import TOML, run
 
 from refdem.bench.memory import reset_peak, resident
+from tests.planning.test_exchange import TOML, run
 
 Command = Callable[..., "subprocess.CompletedProcess[str]"]
 Damage = Callable[[Path], None]
