@@ -10,7 +10,7 @@ line: case, parameters, time, quantity, 48 digits.
 
 import json
 
-from mpmath import beta, cos, cosh, exp, findroot, matrix, mp, mpf, pi, quad, sin, sqrt
+from mpmath import beta, cos, cosh, exp, findroot, lu_solve, matrix, mp, mpf, pi, quad, sin, sqrt
 
 from tests.properties.held_out.mpmath_impacts import impacts
 from tests.properties.held_out.mpmath_motions import (
@@ -152,6 +152,7 @@ def collisions():
         duration=beta(f("1/3"), f("1/2")) / 3 * deep / v + pi / 2 * sqrt(m / k1),
         energy_change=k1 * deep**2 / 2 - m * v * v / 2,
     )
+    corner()
     meff = f("3/4")
     k = mpf(200)
     c = mpf(2)
@@ -187,6 +188,47 @@ def collisions():
         v_o_x=f("5/7") * u,
         r_o_x=u * stop - friction * g * stop**2 / 2 + f("5/7") * u * (f("1/5") - stop),
         omega_o_z=-f("5/7") * u / f("0.05"),
+    )
+
+
+def corner():
+    """A corner of a box on a plane: J from v' = v + J/m, w' = x J/I and v' + w' x = -e v, x being
+    the arm of the lowest corner along the plane.
+    """
+    m = mpf(3)
+    a = f("6/5")
+    b = f("1/2")
+    e = f("2/3")
+    first = f("2/5")
+    corners = [
+        (cos(first) * p - sin(first) * q, sin(first) * p + cos(first) * q)
+        for p in (-a / 2, a / 2)
+        for q in (-b / 2, b / 2)
+    ]
+    x, below = min(corners, key=lambda place: place[1])
+    v = -f("3/2")
+    moment = m * (a * a + b * b) / 12
+    equations = matrix([[1, 0, -1 / m], [0, 1, -x / moment], [1, x, 0]])
+    rise, turning, _ = lu_solve(equations, matrix([v, 0, -e * v]))
+    met = (2 + below) / -v
+    t = f("9/8")
+    case(
+        "corner-impact",
+        {
+            "mass": "3",
+            "sides": "6/5,1/2",
+            "angle": "2/5",
+            "height": "2",
+            "velocity": "1/3,-3/2",
+            "restitution": "2/3",
+        },
+        "9/8",
+        x=t / 3,
+        y=-below + rise * (t - met),
+        vx=f("1/3"),
+        vy=rise,
+        theta=first + turning * (t - met),
+        omega=turning,
     )
 
 
