@@ -46,6 +46,7 @@ SHARP = (
     "billiards",
     "bouncing-ball",
     "captured-mass",
+    "corner-impact",
     "coulomb-oscillator",
     "coupled-pendulums",
     "dissipating-body",
