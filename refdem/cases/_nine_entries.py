@@ -1,6 +1,6 @@
 """The operations of the case rotations that show what nine entries of a matrix cost beside the four
 of a quaternion: one step of R' = [omega] R and of q' = omega q/2 by Euler's method, and back to a
-rotation (chapter 1, the footnote of section 1.3.8).
+rotation (chapter 1, footnote 2 of section 1.3.9).
 """
 
 import numpy as np

@@ -33,7 +33,7 @@ class BlockOnSlope(Case):
         r"s=\begin{cases}0&\mu\ge\tan\alpha\\"
         r" \tfrac12g(\sin\alpha-\mu\cos\alpha)t^2&\mu<\tan\alpha\end{cases}"
     )
-    source = "Matuttis and Chen 2014, chapter 1, section 1.5.4: Sgn(0) = [-1, 1]; Coulomb 1785"
+    source = "Matuttis and Chen 2014, chapter 1, (1.98): Sgn(0) = [-1, 1]; Coulomb 1785"
     parameters = (
         Parameter(name="mass", default="3", unit="kg", doc="of the block", above=0),
         Parameter(

@@ -38,8 +38,8 @@ class DoublePendulum(Case):
         r"\quad\Delta=\theta_1-\theta_2"
     )
     source = (
-        "Matuttis and Chen 2014, chapter 1, fig. 1.3; Landau and Lifshitz, Mechanics, section 5,"
-        " problem 1"
+        "Matuttis and Chen 2014, chapter 1, section 1.6.4; Landau and Lifshitz, Mechanics, section"
+        " 5, problem 1"
     )
     parameters = (
         Parameter(

@@ -35,7 +35,7 @@ class RigidCluster(Case):
         r"m_i\ddot{\mathbf r}_i=-\sum_j\lambda_{ij}(\mathbf r_i-\mathbf r_j),\quad|\mathbf"
         r" r_i-\mathbf r_j|=l_{ij}"
     )
-    source = "Matuttis and Chen 2014, chapter 1, section 1.2 (degrees of freedom), (1.35)-(1.37)"
+    source = "Matuttis and Chen 2014, chapter 1, section 1.1.2 (degrees of freedom), (1.35)-(1.37)"
     parameters = (
         Parameter(
             name="masses",
