@@ -79,6 +79,15 @@ def test_the_cradle_of_ias15_is_off_by_as_much_as_samples_are_apart() -> None:
     assert few > 4 * more > 16 * many
 
 
+def test_the_cradle_of_ias15_run_back_is_off_the_less_the_more_samples_cut_its_steps() -> None:
+    """So it is with the steps of leapfrog, which sees impacts late as well."""
+    few, more, many = (error for _, error in steps("cradle and back, ias15,"))
+    assert 0.02 < few < 0.2
+    assert few > 2 * more > 4 * many
+    of_steps = [error for _, error in steps("cradle and back, leapfrog, steps of")]
+    assert all(before > 3 * after for before, after in pairwise(of_steps))
+
+
 def creep(name: str) -> list[float]:
     """The creep [mm/s] as shipped but for one setting, h = 2^-8 to 2^-13 s."""
     return slope(f"{name}:")[0]
