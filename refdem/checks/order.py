@@ -135,6 +135,12 @@ def with_key(subject: Subject, finding: Finding) -> Finding:
     return msgspec.structs.replace(finding, sentence=sentence)
 
 
+ROUNDED = (
+    "coarser pairs of levels show the claimed order, and rounding may be what the finest pair lacks"
+)
+"""Why a deficit of the finest pair alone decides nothing next to round-off."""
+
+
 class Order(Check):
     """Pairs of neighbouring levels reach the claimed order as the step falls; with kinks in the
     motion, the mean over all levels does.
@@ -256,7 +262,11 @@ class Order(Check):
         )
         misfits = _misfits(subject, runs, truth, resolved, common)
         next_order = _order_at_most(subject, counting, largest, floor)
-        return self._deficit(subject, orders, expected, misfits, next_order)
+        finding = self._deficit(subject, orders, expected, misfits, next_order)
+        shift = 2 * rounded / float(np.log(2.0))
+        if finding.outcome == "fail" and _may_be_rounding(subject, orders, shift):
+            return undecided(self.name, "state", ROUNDED)
+        return finding
 
     def _growth(self, subject: Subject, errors_at: Seen) -> list[Finding]:
         """The finding that errors at the three finest levels do not rise as the step falls,
@@ -685,6 +695,19 @@ def _errors_at_levels(
 def _largest(scaled: Mapping[str, Array], common: int) -> float:
     """The largest error of any quantity over the first `common` samples."""
     return max(float(np.max(error[:common])) for error in scaled.values())
+
+
+def _may_be_rounding(subject: Subject, orders: list[float], shift: float) -> bool:
+    """True if the finest pair of levels alone lacks more than the tolerance, and no more beyond it
+    than `shift`, by which rounding may move an order.
+    """
+    claimed = subject.order
+    tolerance = max(0.15, 0.05 * claimed)
+    *coarser, finest = orders
+    missing = claimed - finest
+    if not coarser or lack(coarser, claimed) > tolerance or missing <= tolerance:
+        return False
+    return missing - shift <= tolerance
 
 
 def _counting_levels(subject: Subject, levels: tuple[float, ...]) -> tuple[list[float], int]:

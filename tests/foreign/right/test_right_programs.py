@@ -20,6 +20,13 @@ FEWEST = 20
 """Pairs that must have decided something, or the draws are no test."""
 
 FORMER = [
+    # Rounding is two thirds of the error at the finest step, and more of what that pair lacks.
+    (
+        "double-pendulum[masses=55.8,1.49 lengths=1.53,0.0119 gravity=9.69 theta0=-3.14,4.86"
+        " thetadot0=1.71,-0.00255 duration=0.0005704 samples=16]",
+        "rods",
+        "rattle",
+    ),
     # Velocities that are differences of places have their roundings, however slow the bodies are.
     (
         "two-spheres[masses=0.595,0.364 stiffness=2120 closing_speed=0.432"
