@@ -77,33 +77,32 @@ class Stop(Check):
         if after.any():
             creep = float(np.ptp(run.position[after, 0, 0])) / scales.length
             slide = _slide(subject, run, int(np.argmax(after)), level) / scales.length
-        return [
-            judged(
-                check=self.name,
-                quantity="stop_position",
-                value=max(0.0, position_error - radius),
-                bound=allowed,
-                unit="1",
-                basis="the error bound of the state at the end of the run",
-                what=(
-                    f"The distance of the final position from the true stop at x = {place:.6g}"
-                    " m, relative to L,"
-                ),
+        position = judged(
+            check=self.name,
+            quantity="stop_position",
+            value=max(0.0, position_error - radius),
+            bound=allowed,
+            unit="1",
+            basis="the error bound of the state at the end of the run",
+            what=(
+                f"The distance of the final position from the true stop at x = {place:.6g}"
+                " m, relative to L,"
             ),
-            self._time(subject, run, stop, place, allowed, rounding),
-            judged(
-                check=self.name,
-                quantity="creep",
-                value=creep,
-                bound=rounding + slide + settling,
-                unit="1",
-                basis=(
-                    "a sticking body stays where it is, since Sgn(0) = [-1, 1], to round-off"
-                    f" c u sqrt(n){_of_slide(slide)}{_of_settling(settling)}"
-                ),
-                what="The distance crept after the stop, relative to L,",
+        )
+        time = self._time(subject, run, stop, place, allowed, rounding)
+        crept = judged(
+            check=self.name,
+            quantity="creep",
+            value=creep,
+            bound=rounding + slide + settling,
+            unit="1",
+            basis=(
+                "a sticking body stays where it is, since Sgn(0) = [-1, 1], to round-off"
+                f" c u sqrt(n){_of_slide(slide)}{_of_settling(settling)}"
             ),
-        ]
+            what="The distance crept after the stop, relative to L,",
+        )
+        return [position, time, crept]
 
     def _time(
         self,

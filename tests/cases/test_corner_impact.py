@@ -41,7 +41,6 @@ def test_what_is_no_single_impact_of_a_corner_is_refused(given: dict[str, str], 
 
 def test_pymunk_is_right_about_a_corner_that_leaves_slowly_in_other_units() -> None:
     """Chipmunk parts what overlaps by a tenth in 1/60 s, in whatever unit of time."""
-    pytest.importorskip("pymunk")
     instance = CASE.at(
         mass="76.3",
         sides="2.2,0.975",

@@ -149,8 +149,6 @@ def test_impacts_that_lose_nothing_run_back_and_a_loss_on_the_way_back_is_seen(
     round-off, and does so where no impact is late.
     """
     engine = discovery.engine(engine)
-    if engine.missing():
-        pytest.skip(engine.missing())
     instance = discovery.case(case).at(**given)
     truth = truth_of(instance)
     lossy = lossy_on_the_way_back(instance.scene.bodies, 0.75).carrier(engine)
@@ -162,8 +160,6 @@ def test_impacts_that_lose_nothing_run_back_and_a_loss_on_the_way_back_is_seen(
 
 def test_spheres_of_rebound_do_not_collide_in_negative_steps_and_the_check_says_so():
     engine = discovery.engine("rebound")
-    if engine.missing():
-        pytest.skip(engine.missing())
     instance = discovery.case("hard-spheres").at(**ELASTIC)
     task = task_of(engine, "leapfrog", instance, truth_of(instance), 4, ("reversal",))
     (backward,) = (f for f in record_of(task).findings if f.quantity == "backward")

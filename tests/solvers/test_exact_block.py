@@ -68,21 +68,18 @@ def test_the_reference_holds_it_to_round_off(given):
 
 @pytest.mark.parametrize("given", [HELD, ROUGH, LANDING], ids=["default", "rough", "landing"])
 def test_pymunk_holds_it(given):
-    pytest.importorskip("pymunk")
     found = findings("pymunk", "semi-implicit-euler", **given)
     assert blamed(found) == []
     assert found["stop", "stop_time"].outcome == found["order", "state"].outcome == "pass"
 
 
 def test_pymunk_holds_a_block_that_never_moves():
-    pytest.importorskip("pymunk")
     assert blamed(findings("pymunk", "semi-implicit-euler", **STUCK)) == []
 
 
 @pytest.mark.parametrize("given", [HELD, FAST], ids=["default", "fast"])
 @pytest.mark.parametrize("method", ["euler", "rk4"])
 def test_mujoco_holds_it(method, given):
-    pytest.importorskip("mujoco")
     found = findings("mujoco", method, **given)
     assert blamed(found) == []
     assert found["stop", "stop_time"].outcome == found["order", "state"].outcome == "pass"
@@ -91,7 +88,6 @@ def test_mujoco_holds_it(method, given):
 @pytest.mark.parametrize("engine", ["pymunk", "mujoco"])
 def test_two_per_cent_more_friction_shows(engine):
     """The engine runs another coefficient than the one that truth knows."""
-    pytest.importorskip(engine)
     methods = {"pymunk": "semi-implicit-euler", "mujoco": "euler"}
     right = CASE.at(member="block", **HELD)
     misread = CASE.at(member="block", friction_force="0.153", **HELD)

@@ -20,6 +20,13 @@ QUARTERS = 36
 """Quarter turns, pi/2/SPIN each, over which the growth of the certified S is taken."""
 FROM = Fraction(10)
 """When they begin [s]."""
+CAPTION = (
+    "An octahedron, J = (2, 3, 4) kg m^2, falls and turns at 4 rad/s while the weights of its"
+    " six corners, whose torques cancel, are added up: 24 copies, each in another order, which"
+    " changes nothing but rounding. About the intermediate axis (orange) attitudes part"
+    " exponentially until some copies are upside down; about the third (blue) they agree to"
+    " round-off, and so do all centres. The dashed line has the rate of (1.134)-(1.136)."
+)
 
 
 def figure() -> Figure:
@@ -44,17 +51,10 @@ def figure() -> Figure:
         "height that they fall [m]": float(np.ptp(about_second.height[:, 0])),
         "largest distance of their centres [m]": farthest,
     }
-    caption = (
-        "An octahedron, J = (2, 3, 4) kg m^2, falls and turns at 4 rad/s while the weights of its"
-        " six corners, whose torques cancel, are added up: 24 copies, each in another order, which"
-        " changes nothing but rounding. About the intermediate axis (orange) attitudes part"
-        " exponentially until some copies are upside down; about the third (blue) they agree to"
-        " round-off, and so do all centres. The dashed line has the rate of (1.134)-(1.136)."
-    )
     return Figure(
         id="summation-order",
         title="Orders of summation",
-        caption=caption,
+        caption=CAPTION,
         panels=(angles(about_second, about_third, expected), distances(about_second)),
         columns=2,
         numbers=numbers,
