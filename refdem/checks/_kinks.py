@@ -13,7 +13,6 @@ from refdem.core.case import Instance
 from refdem.core.check import Array, Subject
 from refdem.core.judgement import PREDICTION_FACTOR
 from refdem.core.refinement import kinked
-from refdem.core.smoothness import singularities
 
 
 def may_straddle(subject: Subject) -> bool:
@@ -28,7 +27,7 @@ def sharpest_kink(instance: Instance) -> float:
     """The exponent n of the force |s|^n through the sharpest kink of the scene; infinite without
     one.
     """
-    exponents = [limit.exponent for _, limit in singularities(instance.scene)]
+    exponents = [limit.exponent for _, limit in instance.scene.singularities()]
     return min(exponents, default=float(np.inf))
 
 

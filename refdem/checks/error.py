@@ -29,11 +29,11 @@ from refdem.core.judgement import (
 )
 from refdem.core.problem import Problem
 from refdem.core.refinement import MEMORY, kinked, scored
-from refdem.core.smoothness import KINK, singularities
 from refdem.core.statics import Static
 from refdem.core.truth import SampledTruth
 from refdem.core.variant import Variant
 from refdem.scene.elements.contact import Contact
+from refdem.scene.singularity import KINK
 
 OWN_SHARE = 0.1
 """Part of the largest change of any quantity at a halving that the change of a single quantity is
@@ -249,7 +249,8 @@ def _error_from_halvings(
     not scatter, and the division stays, in two cases. A method that claims a higher order than
     fixed steps can have across these kinks cuts its steps there, and the part that is cut off has
     an error of h^(p+1), however long it is. And a force that goes as |s|^n through its kink leaves
-    an error of h^(n+1) (see core/smoothness.py), which is of higher order than h^p where p < n + 1.
+    an error of h^(n+1) (see scene/singularity.py), which is of higher order than h^p where
+    p < n + 1.
 
     An error falls with a tolerance as well, but in stairs. Where no tolerance changes the run, as
     where samples are closer than any step, the change says nothing: None.
@@ -365,7 +366,7 @@ def _cuts_steps(subject: Subject) -> bool:
     scene = subject.instance.scene
     exponents = [KINK]
     exponents += [law.exponent for law in scene.all(Contact)]
-    exponents += [limit.exponent for _, limit in singularities(scene)]
+    exponents += [limit.exponent for _, limit in scene.singularities()]
     # A force that goes as |s|^n allows fixed steps the order n + 1.
     return subject.order > max(exponents) + 1.0
 

@@ -18,7 +18,6 @@ from refdem.core.judgement import (
     undecided,
 )
 from refdem.core.refinement import kinked, scored
-from refdem.core.smoothness import singularities
 from refdem.core.variant import Variant
 
 SETTLED = 0.3
@@ -116,7 +115,7 @@ def _extrapolates_a_kink(subject: Subject) -> bool:
     """
     if subject.method.locates_events:
         return False
-    found = singularities(subject.instance.scene)
+    found = subject.instance.scene.singularities()
     return any(singularity.order <= subject.order + 1 for _, singularity in found)
 
 

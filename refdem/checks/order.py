@@ -32,6 +32,7 @@ from refdem.core.judgement import (
     signed,
     undecided,
 )
+from refdem.core.problem import Motion
 from refdem.core.refinement import (
     MEMORY,
     SCATTER,
@@ -41,7 +42,6 @@ from refdem.core.refinement import (
     scored,
     smoothness,
 )
-from refdem.core.smoothness import singularities
 from refdem.core.truth import SampledTruth
 from refdem.core.variant import Variant
 from refdem.scene.elements.contact import Contact
@@ -84,11 +84,6 @@ RISE = 0.25
 or scatter a little, rise once.
 """
 
-LOWERING = ("constraint", "dashpot", "drag", "internal_damping", "rotation")
-"""Features of smooth motions with which a method may be of a lower order by its construction:
-forces that depend on velocities, joints, bodies that turn. The first that a scene has is the key
-of `order_with` that a failed order is told (with kinks `_declaration_hint` names it).
-"""
 STARTED = 8 * MEMORY
 """Steps of a multistep method among which those that start it change an order by less than its
 tolerance.
@@ -123,8 +118,7 @@ def with_key(subject: Subject, finding: Finding) -> Finding:
     if not np.isfinite(seen):
         return finding
     order = round(seen)
-    features = subject.instance.problem.features
-    key = next((name for name in LOWERING if name in features), None)
+    key = _lowering_key(subject)
     is_lower = 1 <= order < subject.order and abs(seen - order) <= WHOLE_ORDER
     if key is None or not is_lower:
         return finding
@@ -133,6 +127,23 @@ def with_key(subject: Subject, finding: Finding) -> Finding:
         f' {key} may declare order_with = {{ "{key}" = {order} }}.'
     )
     return msgspec.structs.replace(finding, sentence=sentence)
+
+
+def _lowering_key(subject: Subject) -> str | None:
+    """The key of `order_with` for what of a smooth motion may lower a method's order by its
+    construction, the first that the scene has: joints, forces that depend on velocities, bodies
+    that turn. With kinks `_declaration_hint` names it.
+    """
+    problem = subject.instance.problem
+    if "constraint" in problem.features:
+        return "constraint"
+    if isinstance(problem, Motion):
+        for element in problem.scene.elements:
+            if element.reads_velocity:
+                return element.kind
+    if "rotation" in problem.features:
+        return "rotation"
+    return None
 
 
 ROUNDED = (
@@ -667,7 +678,7 @@ def _declaration_hint(subject: Subject, slope: float) -> str:
     `slope` is the mean order observed. A declaration is named only if it would lower the claim,
     and if the observed order would meet the lowered one within 0.5.
     """
-    limits = [limit for _, limit in singularities(subject.instance.scene)]
+    limits = [limit for _, limit in subject.instance.scene.singularities()]
     if not limits:
         return "no force in the scene explains a lower order"
     limit = min(limits)

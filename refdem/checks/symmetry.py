@@ -44,10 +44,6 @@ from refdem.scene.elements.spring import Spring
 from refdem.scene.elements.uniform_gravity import UniformGravity
 from refdem.scene.shapes import extent
 
-SWITCHES = frozenset({"contact", "friction", "catch", "wedge"})
-"""Elements that switch discontinuously: where the switch falls on the end of a step, rounding
-decides in which step it happens.
-"""
 DRAWS = (16, -16, 1, -1)
 """Further perturbations of the start, in units of `perturbation`/64, where rounding decides.
 
@@ -704,11 +700,12 @@ def _rounding_decides(subject: Subject) -> bool:
     That is which step size is chosen, or in which step a contact begins or a body sticks, for
     methods that do not locate such events.
     """
-    features = subject.instance.scene.features
-    switches = SWITCHES & features and subject.method.control == "step"
-    return subject.method.control == "tolerance" or bool(
-        switches and subject.order < max(2, subject.method.order)
-    )
+    if subject.method.control == "tolerance":
+        return True
+    # Where a switch falls on the end of a step, rounding decides in which step it happens.
+    switches = any(element.switches for element in subject.instance.scene.elements)
+    is_step = subject.method.control == "step"
+    return switches and is_step and subject.order < max(2, subject.method.order)
 
 
 CHECK = Symmetry()

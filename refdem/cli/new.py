@@ -1,4 +1,4 @@
-"""refdem new: writes the files of a new case, check, engine or kernel."""
+"""refdem new: writes the files of a new case, check, element, engine or kernel."""
 
 from pathlib import Path
 from typing import Annotated
@@ -7,7 +7,7 @@ import typer
 
 
 def command(
-    kind: Annotated[str, typer.Argument(help="case, check, engine or kernel")],
+    kind: Annotated[str, typer.Argument(help="case, check, element, engine or kernel")],
     name: Annotated[str, typer.Argument(help="Small letters, words joined by hyphens.")],
     package: Annotated[
         Path, typer.Option(help="Root of the tree of refdem that gets the files.")

@@ -1,4 +1,5 @@
-"""New files of refdem from templates: a case, a check, an engine, or a kernel with its solver."""
+"""New files of refdem from templates: a case, a check, an element, an engine, or a kernel with its
+solver."""
 
 import keyword
 import re
@@ -60,6 +61,14 @@ SKELETONS = {
         },
         homes=("refdem/checks",),
         then=("pytest tests/checks/test_{module}.py", "refdem manual reports"),
+    ),
+    "element": Skeleton(
+        files={
+            "element.py.in": "refdem/scene/elements/{module}.py",
+            "element_test.py.in": "tests/scene/elements/test_{module}.py",
+        },
+        homes=("refdem/scene/elements",),
+        then=("pytest tests/scene/elements/test_{module}.py", "refdem new case NAME"),
     ),
     "engine": Skeleton(
         files={

@@ -15,21 +15,8 @@ from refdem.core.once import once_for_each
 from refdem.core.trajectory import Trajectory
 from refdem.mechanics import energy, momentum
 from refdem.scene import Scene
-from refdem.scene.element import Element
-from refdem.scene.elements.catch import Catch
-from refdem.scene.elements.central_field import CentralField
-from refdem.scene.elements.contact import Contact
-from refdem.scene.elements.dashpot import Dashpot
-from refdem.scene.elements.drag import Drag
-from refdem.scene.elements.periodic_box import PeriodicBox
-from refdem.scene.elements.rod import Rod
-from refdem.scene.elements.spring import Spring
-from refdem.scene.elements.uniform_gravity import UniformGravity
 
 Array = NDArray[np.float64]
-
-ALONG_THE_LINE = (Spring, Rod, Catch)
-"""Links whose force points along the line between their anchors: r x F cancels between the ends."""
 
 
 def kinetic(scene: Scene, run: Trajectory) -> Array:
@@ -72,16 +59,16 @@ def energy_scale(instance: Instance) -> float:
     states = ("position", "velocity", "attitude", "omega")
     columns = {name: getattr(scene.bodies, name)[None] for name in states}
     start = Trajectory(t=np.zeros(1), **columns)
-    # The terms of one spring's potential (linear, quadratic, cubic) may cancel in the sum.
-    # `potential_size` adds their sizes instead.
-    springs = scene.all(Spring)
-    potentials = [abs(scene.potential(start.position, start.attitude)[0])]
-    potentials += [spring.potential_size(start.position, start.attitude)[0] for spring in springs]
-    scale = kinetic(scene, start)[0] + max(potentials)
-    # The zero of these potentials is arbitrary: a weight's lies at the origin of space, that of a
-    # repelling spring on top of a hill; a drive may find everything at rest.
-    is_repelled = any(spring.stiffness < 0 for spring in springs)
-    if scene.all(UniformGravity) or scene.is_driven() or is_repelled:
+    # Terms of one potential may cancel in the sum, as those of a spring do.
+    terms = [
+        element.potential_terms(start.position, start.attitude)[0] for element in scene.elements
+    ]
+    potential = abs(scene.potential(start.position, start.attitude)[0])
+    scale = kinetic(scene, start)[0] + max(potential, *terms, 0.0)
+    # Where the zero of a potential is arbitrary the start may seem to have no energy, and a drive
+    # may find everything at rest.
+    is_arbitrary = any(element.has_arbitrary_zero() for element in scene.elements)
+    if is_arbitrary or scene.is_driven():
         scale = max(scale, instance.scales.energy / 2)
     return float(scale) or instance.scales.energy
 
@@ -133,41 +120,9 @@ def torque_reason(scene: Scene) -> str | None:
     along one line.
     """
     for element in scene.elements:
-        if isinstance(element, Contact) and _turns_the_total(element):
-            return (
-                f"the branch vectors {element.branch} do not sum to the centre distance,"
-                " so the contact law itself changes it"
-            )
-        if isinstance(element, Dashpot | Drag) and element.b >= 0:
-            return (
-                f"a {element.kind} also resists transverse motion of its ends and so exerts a"
-                " torque"
-            )
-        if isinstance(element, PeriodicBox):
-            return "forces between periodic images do not act along one line"
-        if element.external and not _is_central(element):
-            return f"the element {element.kind} exerts an external torque"
+        reason = element.torque_reason()
+        if reason is not None:
+            return reason
     if scene.bodies.fixed.any():
         return "a body is fixed"
     return None
-
-
-def _turns_the_total(law: Contact) -> bool:
-    """True if the torques of friction on a pair do not balance that of the forces: their levers R -
-    c d add up to the distance of the centres for c = 1/2 alone.
-    """
-    return law.friction > 0 and law.torque_shortening != 0.5
-
-
-def _is_central(element: Element) -> bool:
-    """True if the element's force on every body points to the origin, so that its torque is 0.
-
-    A link does so if it acts at the centre of body a and ends at the origin of the world; a link
-    between two bodies (b >= 0) exerts no net torque wherever it is anchored at b.
-    """
-    if isinstance(element, CentralField):
-        return True
-    if not isinstance(element, ALONG_THE_LINE) or any(element.anchor_a):
-        return False
-    is_tied_to_world = element.b < 0
-    return not (is_tied_to_world and any(element.anchor_b))

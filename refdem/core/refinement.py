@@ -21,7 +21,6 @@ from refdem.core.case import Instance
 from refdem.core.engine import Method
 from refdem.core.once import once_for_each
 from refdem.core.problem import Motion
-from refdem.core.smoothness import JUMP, Singularity, singularities
 from refdem.core.truth import SampledTruth
 from refdem.errors import UsageError
 from refdem.mechanics.freedom import rod_jacobian
@@ -29,6 +28,8 @@ from refdem.mechanics.quaternion import conjugate, rotated
 from refdem.scene import Scene
 from refdem.scene.elements.contact import Contact
 from refdem.scene.elements.rod import Rod
+from refdem.scene.elements.uniform_gravity import UniformGravity
+from refdem.scene.singularity import JUMP, Singularity
 
 Array = NDArray[np.float64]
 
@@ -62,20 +63,6 @@ MOST_STEPS = 1e10
 CLOCK_STEPS = 4.0
 """Steps in one tau = 1/omega_max of a method that chooses its own steps: one of high order advances
 the phase by a fraction of a radian a step.
-"""
-KINKS = frozenset({"contact", "friction", "catch", "piecewise_field", "wedge", "spring:exponent"})
-"""Features of a scene whose forces are not smooth: a touch, a stop, the edge of a field, a root of
-the stretch.
-"""
-SOMETIMES = frozenset(
-    {"contact", "catch", "wedge", "piecewise_field", "uniform_gravity", "plane", "periodic_box"}
-)
-"""Elements whose force is constant or acts only for a while. With no others in the scene, there are
-long stretches in which every step adds the same amount to a body's position or velocity.
-"""
-RESISTING = frozenset({"drag", "dashpot"})
-"""Elements whose force comes to balance a weight: the body then falls with the same speed at every
-step.
 """
 SCATTER = 1.0
 """Standard deviation, in octaves, of the error constant of a motion with kinks from step to step.
@@ -321,11 +308,14 @@ def flight(instance: Instance, method: Method, level: float) -> float:
 
 
 def _adds_equal_terms(scene: Scene) -> bool:
-    """True if there are long stretches in which every step adds the same amount; see `flight`."""
-    kinds = {element.kind for element in scene.elements}
-    if "uniform_gravity" in kinds:
-        kinds -= RESISTING
-    return kinds <= SOMETIMES or "slider" in kinds
+    """True if there are long stretches in which every step adds the same amount; see `flight`.
+
+    So it is if all forces are constant or act only for a while, and with a weight also where a
+    force grows until it balances it: the body then falls with the same speed at every step.
+    """
+    falls = bool(scene.all(UniformGravity))
+    steady = (element.pauses or (falls and element.resists) for element in scene.elements)
+    return all(steady) or any(element.rubs for element in scene.elements)
 
 
 def turning(instance: Instance, method: Method, level: float) -> float:
@@ -391,7 +381,7 @@ def smoothness(instance: Instance, method: Method) -> Singularity | None:
     named = set(method.order_with)
     limits = [
         limit
-        for element, limit in singularities(instance.scene)
+        for element, limit in instance.scene.singularities()
         if limit.exponent > JUMP and not element.features() & named
     ]
     return min(limits, default=None)
@@ -426,7 +416,8 @@ def kinked(instance: Instance, method: Method) -> bool:
     A force that is smoother, as |v| v of a drag, scatters only the errors of a method whose order
     it limits.
     """
-    if KINKS & instance.problem.features:
+    problem = instance.problem
+    if isinstance(problem, Motion) and problem.scene.is_kinked():
         return True
     singularity = smoothness(instance, method)
     return singularity is not None and singularity.order < method.order_for(

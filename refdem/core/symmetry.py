@@ -28,8 +28,6 @@ from refdem.scene import Scene
 from refdem.scene.bodies import Bodies
 from refdem.scene.dimension import Acceleration, Dimension, Direction, Omega, Position
 from refdem.scene.element import Element, Link, types_of
-from refdem.scene.elements.central_field import CentralField
-from refdem.scene.elements.periodic_box import PeriodicBox
 from refdem.scene.shapes import Polyhedron, Shape, Sphere
 
 Array = NDArray[np.float64]
@@ -280,19 +278,12 @@ def image(instance: Instance, name: str) -> tuple[Symmetry, Motion]:
 
 def broken(scene: Scene, name: str) -> str | None:
     """None if the scene has the symmetry, else what breaks it."""
-    centred = any(isinstance(element, CentralField) for element in scene.elements)
-    if name == "rotated" and any(isinstance(element, PeriodicBox) for element in scene.elements):
-        return "the periodic box has fixed axes"
     if name == "relabelled" and len(scene.bodies) < 2:
         return "the scene has only one body"
-    if name in ("shifted", "boosted") and centred:
-        return "the central field fixes an origin"
-    if name == "boosted" and (
-        scene.bodies.fixed.any()
-        or any(e.external and e.kind != "uniform_gravity" for e in scene.elements)
-    ):
+    if name == "boosted" and scene.bodies.fixed.any():
         return "some part of the scene is fixed in space"
-    return None
+    reasons = (element.breaks(name) for element in scene.elements)
+    return next((reason for reason in reasons if reason is not None), None)
 
 
 def size(instance: Instance, symmetry: Symmetry) -> float:

@@ -9,7 +9,6 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from refdem.core.smoothness import singularities
 from refdem.core.trajectory import Trajectory
 from refdem.mechanics.interpolation import between_samples
 from refdem.scene import Scene
@@ -66,7 +65,7 @@ def work_along(scene: Scene, run: Trajectory) -> Work | None:
     last = np.abs(fine - coarse)
     before = np.abs(coarse - coarsest)
     reduction = 1.0
-    if not singularities(scene) and np.any(before):
+    if not scene.singularities() and np.any(before):
         reduction = min(1.0, EVENLY * float(np.max(last) / np.max(before)))
     changes = SAFETY * np.maximum(last, reduction * before)
     rounding = GAUSS_NODES * np.finfo(float).eps * np.abs(fine)

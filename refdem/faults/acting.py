@@ -2,7 +2,7 @@
 that the run calls.
 """
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import fields, is_dataclass, replace
 from typing import Any
 
@@ -27,9 +27,14 @@ def listening(called: set[str]) -> Parts:
 
 def _listening(parts: Any, prefix: str, called: set[str]) -> Any:
     """A record of parts whose functions note their names."""
-    changed = {}
+    changed: dict[str, Any] = {}
     for name, part in _items(parts):
-        if is_dataclass(part):
+        if isinstance(part, Mapping):
+            changed[name] = {
+                kind: _noting(force, f"{prefix}{name}.{kind.__name__}", called)
+                for kind, force in part.items()
+            }
+        elif is_dataclass(part):
             changed[name] = _listening(part, f"{prefix}{name}.", called)
         elif callable(part):
             changed[name] = _noting(part, prefix + name, called)
@@ -62,7 +67,11 @@ def _replaced(faulty: Any, sound: Any, prefix: str) -> Iterator[str]:
     """Names of the parts of a record that are others than the sound ones."""
     for name, part in _items(faulty):
         right = getattr(sound, name)
-        if is_dataclass(part):
+        if isinstance(part, Mapping):
+            for kind, force in part.items():
+                if force is not right[kind]:
+                    yield f"{prefix}{name}.{kind.__name__}"
+        elif is_dataclass(part):
             yield from _replaced(part, right, f"{prefix}{name}.")
         elif part is not right and part != right:
             yield prefix + name

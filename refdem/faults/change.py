@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from refdem.core.problem import Request
 from refdem.core.trajectory import Trajectory
 from refdem.faults.parts import Parts
-from refdem.faults.vectors import ZERO
+from refdem.mechanics.vectors import ZERO
 from refdem.scene import Scene
 from refdem.scene.element import Element
 
@@ -125,21 +125,42 @@ def late(name: str) -> Inside:
     return inside
 
 
+def of_force(kind: type[Element], change: Callable[..., Any]) -> Inside:
+    """The force of one kind of element, made by `change` from the sound one."""
+    return lambda sound: with_force(sound, kind, change(sound.forces[kind]))
+
+
+def with_force(sound: Parts, kind: type[Element], force: Callable[..., Any]) -> dict[str, Any]:
+    """The parts with another force of one kind of element."""
+    return {"forces": {**sound.forces, kind: force}}
+
+
+def late_force(kind: type[Element]) -> Inside:
+    """The force of one kind of element is told one call late."""
+
+    def inside(sound: Parts) -> dict[str, Any]:
+        force = Late(sound.forces[kind])
+        return forgetting(sound, force.answers.clear, **with_force(sound, kind, force))
+
+    return inside
+
+
 def every_other(name: str) -> Inside:
     """The part of that name, whose result is a vector, gives the zero vector every second time."""
 
-    def inside(sound: Parts) -> dict[str, Any]:
-        sound_part = getattr(sound, name)
-        is_sound = cycle((True, False))
+    return lambda sound: {name: skipping(getattr(sound, name))}
 
-        def part(*arguments: Any) -> Any:
-            if next(is_sound):
-                return sound_part(*arguments)
-            return ZERO
 
-        return {name: part}
+def skipping(sound: Callable[..., Any]) -> Callable[..., Any]:
+    """A function whose result, a vector, is the zero vector every second time."""
+    is_sound = cycle((True, False))
 
-    return inside
+    def part(*arguments: Any) -> Any:
+        if next(is_sound):
+            return sound(*arguments)
+        return ZERO
+
+    return part
 
 
 def of_parts(**parts: Any) -> Inside:

@@ -6,12 +6,12 @@ from collections.abc import Callable, Mapping
 from typing import Any, NamedTuple
 
 from refdem.faults import holding, impacts, positional, rolling
-from refdem.faults import vectors as vec
 from refdem.faults.loads import meeting
 from refdem.faults.parts import Moving, Step
 from refdem.faults.state import Loads, State
-from refdem.faults.vectors import ZERO, Number, Vector
 from refdem.faults.world import World
+from refdem.mechanics import vectors as vec
+from refdem.mechanics.vectors import ZERO, Number, Vector
 
 MOST_EVENTS = 8
 """Changes of mode in one step. More in one step mean that the modes flip without end, as with a

@@ -4,11 +4,11 @@ and bodies on ball joints.
 
 from typing import Any
 
-from refdem.faults import vectors as vec
 from refdem.faults.parts import HoldingParts, Moving, Parts
 from refdem.faults.state import Loads, State
-from refdem.faults.vectors import Number, Vector
 from refdem.faults.world import World
+from refdem.mechanics import vectors as vec
+from refdem.mechanics.vectors import Number, Vector
 from refdem.scene.elements.catch import Catch
 from refdem.scene.elements.rod import Rod
 from refdem.scene.elements.string_over_wheel import StringOverWheel

@@ -5,11 +5,11 @@ Notation: n is the unit normal from body i to body j or a plane, c the closing s
 the points that touch, p and -k s the impulse along and across the normal on body i.
 """
 
-from refdem.faults import vectors as vec
 from refdem.faults.loads import arm_of, meeting
 from refdem.faults.parts import ImpactParts, Moving
 from refdem.faults.state import State
-from refdem.faults.vectors import Number, Vector
+from refdem.mechanics import vectors as vec
+from refdem.mechanics.vectors import Number, Vector
 from refdem.scene.elements.contact import Contact
 
 

@@ -5,7 +5,7 @@ At amplitude 0 nothing is wrong; a fault of the catalogue has amplitude 1. Betwe
 of the question, of the answer or of a part's result are mixed: sound + amplitude (faulty - sound).
 """
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, fields, is_dataclass, replace
 from typing import Any
 
@@ -184,12 +184,14 @@ def _mixed_parts(fault: Fault, amplitude: float) -> dict[str, Any]:
 
 def _mixed_part(sound: Any, faulty: Any, amplitude: float) -> Any:
     """A part between the sound and the faulty one: a function whose results are mixed, a number, or
-    a record of such parts.
+    a record or a mapping of such parts.
     """
     if is_dataclass(sound) and not isinstance(sound, type):
         return _field_by_field(_mixed_part, sound, faulty, amplitude)
     if sound is faulty:
         return sound
+    if isinstance(sound, Mapping):
+        return {key: _mixed_part(part, faulty[key], amplitude) for key, part in sound.items()}
     if not callable(sound):
         return _mixed(sound, faulty, amplitude)
     return lambda *arguments: _mixed(sound(*arguments), faulty(*arguments), amplitude)

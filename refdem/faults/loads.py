@@ -9,14 +9,14 @@ spring (`stretch`), F_n the normal force. Every function adds to `total`, whose 
 from collections.abc import Callable
 from typing import Any
 
-from refdem.faults import vectors as vec
 from refdem.faults.holding import turned_at_joints
 from refdem.faults.parts import Parts
-from refdem.faults.positional import pushed_by_fields, pushed_by_walls
+from refdem.faults.positional import force_of_fields, pushed_by_fields, pushed_by_walls, rounded
 from refdem.faults.rolling import carried
 from refdem.faults.state import Loads, State
-from refdem.faults.vectors import ZERO, Number, Vector
 from refdem.faults.world import World
+from refdem.mechanics import vectors as vec
+from refdem.mechanics.vectors import ZERO, Number, Vector
 
 
 def loads(
@@ -33,55 +33,23 @@ def loads(
     return total
 
 
-def _springs(world: World, state: State, parts: Parts, total: Loads, *_: Any) -> None:
-    """Adds the forces of springs between bodies, or between a body and the world."""
-    for spring in world.springs:
-        other_end = spring.anchor_b
-        if spring.b >= 0:
-            other_end = state.r[spring.b]
-        force = parts.spring_force(spring, state.r[spring.a], other_end)
-        _add(total, spring.a, spring.b, force, parts)
-
-
-def _dashpots(world: World, state: State, parts: Parts, total: Loads, *_: Any) -> None:
-    """Adds the forces of dashpots between a body and the world."""
-    for dashpot in world.dashpots:
-        branch = vec.minus(state.r[dashpot.a], dashpot.anchor_b)
-        force = parts.dashpot_force(dashpot, branch, state.v[dashpot.a])
-        _add_with_power(total, state, dashpot, force, parts)
-
-
-def _rotating_dashpots(world: World, state: State, parts: Parts, total: Loads, *_: Any) -> None:
-    """Adds the forces of dashpots whose fluid turns about a point of space."""
-    for dashpot in world.rotating_dashpots:
-        branch = vec.minus(state.r[dashpot.a], dashpot.anchor_b)
-        force = parts.rotating_dashpot_force(dashpot, branch, state.v[dashpot.a])
-        _add_with_power(total, state, dashpot, force, parts)
-
-
-def _drags(world: World, state: State, parts: Parts, total: Loads, *_: Any) -> None:
-    """Adds the drag of a fluid at rest, or of another body."""
-    for drag in world.drags:
-        relative = state.v[drag.a]
-        if drag.b >= 0:
-            relative = vec.minus(relative, state.v[drag.b])
-        force = parts.drag_force(drag, relative)
-        _add(total, drag.a, drag.b, force, parts)
-        total.power -= vec.dot(force, relative)
-
-
-def _drives(world: World, state: State, parts: Parts, total: Loads, *_: Any) -> None:
-    """Adds the forces of drives, which depend on the time alone."""
-    for drive in world.drives:
-        force = parts.drive_force(drive, state.t, world.number)
-        _add_with_power(total, state, drive, force, parts)
+def _links(world: World, state: State, parts: Parts, total: Loads, *_: Any) -> None:
+    """Adds the forces of links, and the power F . w of those that have no potential."""
+    for link in world.links:
+        relative = link.approach(state.v)
+        tell = parts.forces[type(link)]
+        force = tell(link, state.t, link.branch(state.r), relative)
+        if link.reads_clock:
+            force = rounded(force, world)
+        _add(total, link.a, link.b, force, parts)
+        if not link.conservative:
+            total.power -= vec.dot(force, relative)
 
 
 def _fields(world: World, state: State, parts: Parts, total: Loads, *_: Any) -> None:
-    """Adds the attraction of central fields to all bodies."""
-    for i, mass in enumerate(world.mass):
-        for gm in world.fields:
-            total.force[i] = vec.plus(total.force[i], parts.central_force(mass, gm, state.r[i]))
+    """Adds the forces of fields on all bodies."""
+    for i in range(len(world.mass)):
+        total.force[i] = vec.plus(total.force[i], force_of_fields(world, state, parts, i, total))
 
 
 def _contacts(
@@ -97,13 +65,6 @@ def _contacts(
             _sphere(world, state, parts, total, number, before, h)
 
 
-def _weights(world: World, state: State, parts: Parts, total: Loads, *_: Any) -> None:
-    """Adds the weights of all bodies."""
-    for i, mass in enumerate(world.mass):
-        for g in world.gravity:
-            total.force[i] = vec.plus(total.force[i], parts.weight(mass, g))
-
-
 def _sliders(world: World, state: State, parts: Parts, total: Loads, *_: Any) -> None:
     """Adds the dry friction of sliders, last: one that sticks holds against all else."""
     for slider, side in zip(world.sliders, state.side, strict=True):
@@ -117,14 +78,9 @@ def _sliders(world: World, state: State, parts: Parts, total: Loads, *_: Any) ->
 
 
 SOURCES = {
-    "springs": _springs,
-    "dashpots": _dashpots,
-    "rotating_dashpots": _rotating_dashpots,
-    "drags": _drags,
-    "drives": _drives,
+    "links": _links,
     "fields": _fields,
     "pairs": _contacts,
-    "gravity": _weights,
     "lying": carried,
     "tents": pushed_by_fields,
     "walls": pushed_by_walls,
@@ -132,12 +88,6 @@ SOURCES = {
     "sliders": _sliders,
 }
 """What acts, by the names of what it comes from in a world, in the order in which it is added."""
-
-
-def _add_with_power(total: Loads, state: State, link: Any, force: Vector, parts: Parts) -> None:
-    """Adds a force of damping or of a drive, and its power F . v, which leaves the motion."""
-    _add(total, link.a, link.b, force, parts)
-    total.power -= vec.dot(force, state.v[link.a])
 
 
 def _add(total: Loads, a: int, b: int, force: Vector, parts: Parts) -> None:

@@ -5,24 +5,20 @@ The modules of the engine know each other's functions through this record alone,
 them may be replaced. `sound.py` has the right ones.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from typing import Any, Protocol
 
 from refdem.faults.iterating import MapParts
 from refdem.faults.state import Loads, State
-from refdem.faults.vectors import Number, Quaternion, Vector
 from refdem.faults.world import World
+from refdem.mechanics.vectors import Number, Quaternion, Vector
+from refdem.scene.element import Element
 from refdem.scene.elements.catch import Catch
 from refdem.scene.elements.contact import Contact
-from refdem.scene.elements.dashpot import Dashpot
-from refdem.scene.elements.drag import Drag
-from refdem.scene.elements.force import Force
 from refdem.scene.elements.piecewise_field import PiecewiseField
 from refdem.scene.elements.rod import Rod
-from refdem.scene.elements.rotating_dashpot import RotatingDashpot
 from refdem.scene.elements.slider import Slider
-from refdem.scene.elements.spring import Spring
 from refdem.scene.elements.string_over_wheel import StringOverWheel
 from refdem.scene.elements.wedge import Wedge
 
@@ -93,13 +89,7 @@ Located = Callable[[Callable[[float], float], float, float, float], float]
 class Parts:
     """All parts of the engine, by name."""
 
-    spring_force: Callable[[Spring, Vector, Vector], Vector]
-    dashpot_force: Callable[[Dashpot, Vector, Vector], Vector]
-    rotating_dashpot_force: Callable[[RotatingDashpot, Vector, Vector], Vector]
-    drag_force: Callable[[Drag, Vector], Vector]
-    drive_force: Callable[[Force, float, Callable[[float], Number]], Vector]
-    weight: Callable[[Number, Vector], Vector]
-    central_force: Callable[[Number, Number, Vector], Vector]
+    forces: Mapping[type[Element], Callable[..., Vector]]
     gyroscopic: Callable[[Vector, Vector], Vector]
     turn_rate: Callable[[Quaternion, Vector], Quaternion]
     turned: Callable[[Quaternion, Vector, Number], Quaternion]
@@ -167,4 +157,4 @@ class Moving:
         self.free = [i for i, fixed in enumerate(world.fixed) if not fixed and i not in jointed]
         self.tied = bool(world.rods or world.hooks or world.strings or world.joints)
         self.depends_on_velocity = world.depends_on_velocity
-        self.reads_velocity = self.depends_on_velocity or bool(world.drives or not world.is_smooth)
+        self.reads_velocity = self.depends_on_velocity or world.reads_clock or not world.is_smooth

@@ -2,11 +2,11 @@
 
 from typing import Any
 
-from refdem.faults import vectors as vec
 from refdem.faults.parts import Parts, PositionalParts
 from refdem.faults.state import Loads, State
-from refdem.faults.vectors import Number, Quaternion
 from refdem.faults.world import World
+from refdem.mechanics import vectors as vec
+from refdem.mechanics.vectors import Number, Quaternion, Vector
 from refdem.scene.elements.piecewise_field import PiecewiseField
 from refdem.scene.elements.wedge import Wedge
 
@@ -38,6 +38,30 @@ def wedge_energy(wall: Wedge, depth: Number, edge_first: bool) -> Number:
 
 
 SOUND_POSITIONAL = PositionalParts(field_force=field_force, wedge_force=wedge_force)
+
+
+def force_of_fields(
+    world: World, state: State, parts: Parts, i: int, total: Loads | None = None
+) -> Vector:
+    """The force (3) [N] of all fields on body i; the power of those that have no potential leaves
+    the motion in `total`.
+    """
+    sum_of_forces = vec.ZERO
+    for field in world.fields:
+        tell = parts.forces[type(field)]
+        force = tell(field, state.t, world.mass[i], state.r[i], state.v[i])
+        if field.reads_clock:
+            force = rounded(force, world)
+        sum_of_forces = vec.plus(sum_of_forces, force)
+        if total is not None and not field.conservative:
+            total.power -= vec.dot(force, state.v[i])
+    return sum_of_forces
+
+
+def rounded(force: Vector, world: World) -> Vector:
+    """The force in the precision of the world."""
+    x, y, z = force
+    return world.number(x), world.number(y), world.number(z)
 
 
 def pushed_by_fields(world: World, state: State, parts: Parts, total: Loads, *_: Any) -> None:

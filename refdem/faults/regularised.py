@@ -7,8 +7,8 @@ from dataclasses import replace
 from math import tanh
 from typing import Any
 
-from refdem.faults import vectors as vec
 from refdem.faults.parts import Parts
+from refdem.mechanics import vectors as vec
 from refdem.scene.elements.slider import Slider
 
 SLOW = 2.0**-6

@@ -7,11 +7,12 @@ law has its tangential spring (`State.stretch`), as a unit vector, and is 0 whil
 
 from typing import Any
 
-from refdem.faults import vectors as vec
 from refdem.faults.parts import Moving, Parts, RollingParts
+from refdem.faults.positional import force_of_fields
 from refdem.faults.state import Loads, State
-from refdem.faults.vectors import Number, Vector
 from refdem.faults.world import World
+from refdem.mechanics import vectors as vec
+from refdem.mechanics.vectors import Number, Vector
 from refdem.scene.elements.contact import Contact
 
 NEAR = {True: 1e-12, False: 1e-5}
@@ -130,9 +131,7 @@ def ended(motion: Moving, state: State, number: int) -> None:
 def _released(motion: Moving, state: State, number: int) -> None:
     """The mode of a sphere whose point of contact is at rest."""
     i, _ = motion.world.pairs[number]
-    weight = vec.ZERO
-    for g in motion.world.gravity:
-        weight = vec.plus(weight, motion.parts.weight(motion.world.mass[i], g))
+    weight = force_of_fields(motion.world, state, motion.parts, i)
     push, along, needed = needed_of(motion.world, motion.parts, number, weight)
     size = vec.size(needed)
     if motion.parts.rolling.grips(

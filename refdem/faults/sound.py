@@ -5,7 +5,6 @@ from math import cos, sin
 from typing import Any
 
 from refdem.errors import UnsupportedError
-from refdem.faults import vectors as vec
 from refdem.faults.events import side_of, sign_change
 from refdem.faults.holding import SOUND_HOLDING
 from refdem.faults.impacts import SOUND_IMPACTS
@@ -15,72 +14,24 @@ from refdem.faults.outlines import linear_flow
 from refdem.faults.parts import Parts
 from refdem.faults.positional import SOUND_POSITIONAL
 from refdem.faults.rolling import SOUND_ROLLING
-from refdem.faults.vectors import Number, Quaternion, Vector
+from refdem.mechanics import vectors as vec
+from refdem.mechanics.vectors import Number, Quaternion, Vector
+from refdem.scene.element import Element, Field, Link
+from refdem.scene.elements import KINDS
 from refdem.scene.elements.contact import Contact
-from refdem.scene.elements.dashpot import Dashpot
-from refdem.scene.elements.drag import Drag
-from refdem.scene.elements.force import Force
 from refdem.scene.elements.rod import Rod
-from refdem.scene.elements.rotating_dashpot import RotatingDashpot
 from refdem.scene.elements.slider import Slider
-from refdem.scene.elements.spring import Spring
 
 
-def spring_force(spring: Spring, a: Vector, b: Vector) -> Vector:
-    """The force [N] of a spring on its end a."""
-    apart = vec.minus(b, a)
-    if spring.length == 0 and spring.exponent == 1 and not (spring.quadratic or spring.cubic):
-        return vec.times(spring.stiffness, apart)
-    distance = vec.size(apart)
-    s = distance - spring.length
-    if s > 0:
-        sign = 1
-    else:
-        sign = -1
-    # F = k |s|^n sgn(s) + (b + c s) s^2 beyond the length at rest.
-    power = spring.stiffness * abs(s) ** spring.exponent * sign
-    polynomial = (spring.quadratic + spring.cubic * s) * s * s
-    pull = power + polynomial
-    if distance > 0:
-        return vec.times(pull / distance, apart)
-    return vec.ZERO
-
-
-def dashpot_force(dashpot: Dashpot, apart: Vector, relative: Vector) -> Vector:
-    """Force [N] on end a, against its velocity."""
-    return vec.times(-(dashpot.damping + dashpot.van_der_pol * vec.dot(apart, apart)), relative)
-
-
-def rotating_dashpot_force(dashpot: RotatingDashpot, apart: Vector, velocity: Vector) -> Vector:
-    """Force [N] on the body, -c (v - W x d) for its place d from the axis of the fluid."""
-    of_fluid = vec.cross(dashpot.rate, apart)
-    return vec.times(-dashpot.damping, vec.minus(velocity, of_fluid))
-
-
-def drag_force(drag: Drag, relative: Vector) -> Vector:
-    """Force [N] on end a, -c |w| w for its velocity w against the fluid."""
-    return vec.times(-drag.coefficient * vec.size(relative), relative)
-
-
-def drive_force(force: Force, t: float, number: Callable[[float], Number]) -> Vector:
-    """Force [N] at the time t [s]."""
-    strength = number(force.amplitude * cos(force.frequency * t + force.phase))
-    return (
-        strength * number(force.axis[0]),
-        strength * number(force.axis[1]),
-        strength * number(force.axis[2]),
-    )
-
-
-def weight(mass: Number, g: Vector) -> Vector:
-    """Force [N] of uniform gravity."""
-    return vec.times(mass, g)
-
-
-def central_force(mass: Number, gm: Number, r: Vector) -> Vector:
-    """Newton's attraction [N] to the origin."""
-    distance = vec.size(r)
-    return vec.times(-mass * gm / (distance * distance * distance), r)
+def told_forces() -> dict[type[Element], Callable[..., Vector]]:
+    """The force of every kind of element that tells it for points, as a function of an element of
+    that kind and of what `Field.force` or `Link.force` is given.
+    """
+    forces: dict[type[Element], Callable[..., Vector]] = {}
+    for kind in KINDS.values():
+        if issubclass(kind, Field) or (issubclass(kind, Link) and kind.has_force):
+            forces[kind] = kind.force
+    return forces
 
 
 def gyroscopic(inertia: Vector, omega: Vector) -> Vector:
@@ -310,13 +261,7 @@ S4 = 1.0 / (4.0 - 4.0 ** (1.0 / 3.0))
 
 
 SOUND = Parts(
-    spring_force=spring_force,
-    dashpot_force=dashpot_force,
-    rotating_dashpot_force=rotating_dashpot_force,
-    drag_force=drag_force,
-    drive_force=drive_force,
-    weight=weight,
-    central_force=central_force,
+    forces=told_forces(),
     gyroscopic=gyroscopic,
     turn_rate=turn_rate,
     turned=turned,

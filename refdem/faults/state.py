@@ -4,7 +4,7 @@ them.
 
 from dataclasses import dataclass, field
 
-from refdem.faults.vectors import Number, Quaternion, Vector
+from refdem.mechanics.vectors import Number, Quaternion, Vector
 from refdem.scene.elements.rod import Rod
 
 

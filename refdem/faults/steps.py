@@ -6,11 +6,11 @@ F/m, w += h J^-1 torque. drift: r += h v, q turns as a free body does. hold: imp
 
 from typing import NamedTuple
 
-from refdem.faults import vectors as vec
 from refdem.faults.holding import follow, hold_length, hold_speed
 from refdem.faults.parts import Moving
 from refdem.faults.state import Loads, State
-from refdem.faults.vectors import Number, Quaternion, Vector
+from refdem.mechanics import vectors as vec
+from refdem.mechanics.vectors import Number, Quaternion, Vector
 
 
 def kick(motion: Moving, state: State, load: Loads, h: Number) -> State:

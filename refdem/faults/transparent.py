@@ -24,16 +24,13 @@ from refdem.faults.state import State
 from refdem.faults.steps import STEPS
 from refdem.faults.world import PRECISIONS, SUPPORTED, start_of, world_of
 from refdem.scene import Scene
-from refdem.scene.element import Element
+from refdem.scene.element import Element, Field, Link
 from refdem.scene.elements.ball_joint import BallJoint
 from refdem.scene.elements.catch import Catch
 from refdem.scene.elements.contact import Contact
-from refdem.scene.elements.dashpot import Dashpot
-from refdem.scene.elements.force import Force
 from refdem.scene.elements.plane import Plane
 from refdem.scene.elements.rod import Rod
 from refdem.scene.elements.slider import Slider
-from refdem.scene.elements.spring import Spring
 from refdem.scene.elements.string_over_wheel import StringOverWheel
 from refdem.scene.elements.uniform_gravity import UniformGravity
 from refdem.scene.shapes import Polyhedron
@@ -143,7 +140,7 @@ class Transparent(Engine):
             and {"slider", "contact", "wedge", "piecewise_field", "catch"} & scene.features
         ):
             return "the method finds no events: sliding, contacts, edges of fields, catches"
-        if method.name == "suzuki" and {"dashpot", "drag"} & scene.features:
+        if method.name == "suzuki" and any(e.reads_velocity for e in scene.elements):
             return "the method has no forces that depend on velocity"
         if method.name == "euler" and "ball_joint" in scene.features:
             return "the method has no ball joint"
@@ -194,7 +191,11 @@ class Transparent(Engine):
 
 def _refused(element: Element) -> str | None:
     """None for an element that the engine has, as it has it."""
-    if not isinstance(element, SUPPORTED):
+    if isinstance(element, Link) and element.has_force:
+        if element.has_central_anchors():
+            return None
+        return f"a {element.kind} between points of bodies other than their centres"
+    if not isinstance(element, (Field, *SUPPORTED)):
         return f"the transparent engine has no {element.kind}"
     if (
         isinstance(element, Rod)
@@ -206,11 +207,7 @@ def _refused(element: Element) -> str | None:
         if sum(x != 0 for x in element.anchor_a) <= 1:
             return None
         return "a joint off the principal axes"
-    if isinstance(element, Spring) and element.b >= 0:
-        if any(element.anchor_a) or any(element.anchor_b):
-            return "a spring between points of bodies other than their centres"
-        return None
-    if isinstance(element, BallJoint | Catch | Dashpot | Force | Spring | Rod | Slider) and (
+    if isinstance(element, BallJoint | Catch | Rod | Slider) and (
         any(element.anchor_a) or element.b >= 0
     ):
         return f"a {element.kind} that does not join a centre to the world"

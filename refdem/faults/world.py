@@ -11,33 +11,22 @@ import numpy as np
 
 from refdem.faults.lying import lies
 from refdem.faults.state import State
-from refdem.faults.vectors import ZERO, Number, Vector
+from refdem.mechanics.vectors import ZERO, Number, Vector
 from refdem.scene import Scene
 from refdem.scene.bodies import Bodies
-from refdem.scene.element import Element
+from refdem.scene.element import Element, Field, Link
 from refdem.scene.elements.ball_joint import BallJoint
 from refdem.scene.elements.catch import Catch
-from refdem.scene.elements.central_field import CentralField
 from refdem.scene.elements.contact import Contact
-from refdem.scene.elements.dashpot import Dashpot
-from refdem.scene.elements.drag import Drag
-from refdem.scene.elements.force import Force
 from refdem.scene.elements.piecewise_field import PiecewiseField
 from refdem.scene.elements.plane import Plane
 from refdem.scene.elements.rod import Rod
-from refdem.scene.elements.rotating_dashpot import RotatingDashpot
 from refdem.scene.elements.slider import Slider
-from refdem.scene.elements.spring import Spring
 from refdem.scene.elements.string_over_wheel import StringOverWheel
-from refdem.scene.elements.uniform_gravity import UniformGravity
 from refdem.scene.elements.wedge import Wedge
 from refdem.scene.shapes import Polyhedron
 
 ELEMENTS: dict[str, type[Element]] = {
-    "springs": Spring,
-    "dashpots": Dashpot,
-    "rotating_dashpots": RotatingDashpot,
-    "drags": Drag,
     "sliders": Slider,
     "rods": Rod,
     "planes": Plane,
@@ -48,22 +37,12 @@ ELEMENTS: dict[str, type[Element]] = {
     "joints": BallJoint,
 }
 """Fields of a world with all elements of one kind, their numbers in its precision."""
-SUPPORTED: tuple[type[Element], ...] = (
-    CentralField,
-    Contact,
-    Force,
-    UniformGravity,
-    *ELEMENTS.values(),
-)
+SUPPORTED: tuple[type[Element], ...] = (Contact, *ELEMENTS.values())
+"""Kinds of elements that the engine knows beside those that tell their force themselves."""
 SOURCES = (
-    "springs",
-    "dashpots",
-    "rotating_dashpots",
-    "drags",
-    "drives",
+    "links",
     "fields",
     "pairs",
-    "gravity",
     "lying",
     "tents",
     "walls",
@@ -76,8 +55,10 @@ SOURCES = (
 
 @dataclass(frozen=True)
 class World:
-    """What does not change: numbers of bodies and elements, all of precision `number`; `lying` has
-    the pairs of a rigid sphere and the plane on which it lies.
+    """What does not change: numbers of bodies and elements, all of precision `number`.
+
+    `links` and `fields` have the elements that tell their force themselves; `lying` has the pairs
+    of a rigid sphere and the plane on which it lies.
     """
 
     number: Callable[[float], Number]
@@ -85,17 +66,12 @@ class World:
     inertia: list[Vector]
     radius: list[Number]
     fixed: list[bool]
-    springs: list[Any]
-    dashpots: list[Any]
-    rotating_dashpots: list[Any]
-    drags: list[Any]
-    drives: list[Any]
+    links: list[Any]
+    fields: list[Any]
     sliders: list[Any]
     rods: list[Any]
     planes: list[Any]
     law: Any
-    gravity: list[Vector]
-    fields: list[Number]
     pairs: list[tuple[int, int]]
     corners: list[Vector | None]
     lying: list[int]
@@ -121,8 +97,13 @@ class World:
         """Some force changes with the velocities."""
         rubs = any(slider.law != "coulomb" for slider in self.sliders)
         is_rough = bool(self.pairs) and (self.law.damping > 0 or self.law.friction > 0)
-        is_damped = bool(self.dashpots or self.rotating_dashpots or self.drags)
-        return is_damped or rubs or is_rough
+        resists = any(element.reads_velocity for element in (*self.links, *self.fields))
+        return resists or rubs or is_rough
+
+    @cached_property
+    def reads_clock(self) -> bool:
+        """Some force depends on the time."""
+        return any(element.reads_clock for element in (*self.links, *self.fields))
 
     @cached_property
     def is_rigid(self) -> bool:
@@ -136,15 +117,19 @@ class World:
 
 
 def world_of(scene: Scene, number: Callable[[float], Number]) -> World:
-    """The scene in numbers of one precision; drives keep doubles, their forces are rounded."""
+    """The scene in numbers of one precision; what reads the clock keeps doubles, and its force is
+    rounded.
+    """
     bodies = scene.bodies
     elements = {name: _all(scene, kind, number) for name, kind in ELEMENTS.items()}
     laws = _all(scene, Contact, number)
     touching = _touching(scene, number)
     joints = elements["joints"]
     inertia = [_moments(i, bodies, joints, number) for i in range(len(bodies))]
-    gravity = [_tuple(e.g, number) for e in scene.all(UniformGravity)]
-    fields = [number(e.gm) for e in scene.all(CentralField)]
+    links = [_of_precision(e, number) for e in scene.all(Link) if e.has_force]
+    fields = [
+        _of_precision(e, number) for e in scene.all(Field) if not isinstance(e, PiecewiseField)
+    ]
     lengths = [_length(string, bodies, number) for string in elements["strings"]]
     mass = [number(m) for m in bodies.mass]
     radius = [number(r) for r in bodies.radius]
@@ -162,10 +147,9 @@ def world_of(scene: Scene, number: Callable[[float], Number]) -> World:
         inertia=inertia,
         radius=radius,
         fixed=fixed,
-        drives=scene.all(Force),
-        law=law,
-        gravity=gravity,
+        links=links,
         fields=fields,
+        law=law,
         pairs=pairs,
         corners=corners,
         lying=lying,
@@ -263,6 +247,15 @@ def _tuple(values: Any, number: Callable[[float], Number]) -> Any:
 def _all(scene: Scene, kind: type[Element], number: Callable[[float], Number]) -> list[Any]:
     """The elements of one kind with all their numbers in one precision."""
     return [_rounded(element, number) for element in scene.all(kind)]
+
+
+def _of_precision(element: Element, number: Callable[[float], Number]) -> Any:
+    """The element with its numbers in one precision, or as it is if it reads the clock: a phase
+    that is rounded before the cosine is off by more than a rounding.
+    """
+    if element.reads_clock:
+        return element
+    return _rounded(element, number)
 
 
 def _rounded(element: Any, number: Callable[[float], Number]) -> Any:

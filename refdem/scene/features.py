@@ -4,11 +4,14 @@ Every layer that skips work which a scene does not need reads them.
 """
 
 from collections.abc import Sequence
+from functools import cache
+from typing import Any
 
 import numpy as np
 
 from refdem.scene.bodies import Bodies
-from refdem.scene.element import Element, Link
+from refdem.scene.dimension import Acceleration, Direction, Omega, Position
+from refdem.scene.element import Element, Link, types_of
 from refdem.scene.shapes import Point, Polyhedron, Sphere
 
 ALIGNED = 1e-14
@@ -75,16 +78,21 @@ def _tumbles(bodies: Bodies) -> bool:
     return bool(np.any(torque > ALIGNED * product_of_norms))
 
 
+@cache
+def _fields_of(kind: type[Element], *types: Any) -> tuple[str, ...]:
+    """The names of the fields of a kind of element that have one of these types."""
+    return tuple(name for name, hint in types_of(kind).items() if hint in types)
+
+
 def _dimension(bodies: Bodies, elements: Sequence[Element]) -> int:
     """1 if all motion is along x, 2 if it is in x-y with turns about z, else 3."""
     vectors = [bodies.position, bodies.velocity]
     spins = [bodies.omega]
     for element in elements:
-        if hasattr(element, "rate"):
-            spins.append(np.asarray(element.rate, float)[None, :])
-        for name in ("g", "normal", "axis", "anchor_a", "anchor_b"):
-            if hasattr(element, name):
-                vectors.append(np.asarray(getattr(element, name), float)[None, :])
+        for name in _fields_of(type(element), Position, Direction, Acceleration):
+            vectors.append(np.asarray(getattr(element, name), float)[None, :])
+        for name in _fields_of(type(element), Omega):
+            spins.append(np.asarray(getattr(element, name), float)[None, :])
     stacked = np.concatenate(vectors)
     turning = np.concatenate(spins)
     if np.any(stacked[:, 2]) or np.any(turning[:, :2]) or np.any(bodies.attitude[:, 1:3]):

@@ -18,6 +18,7 @@ from refdem.scene.element import Element
 from refdem.scene.elements import AnyElement
 from refdem.scene.features import features
 from refdem.scene.shapes import Point
+from refdem.scene.singularity import Singularity
 
 Array = NDArray[np.float64]
 E = TypeVar("E", bound=Element)
@@ -132,6 +133,17 @@ class Scene:
     def is_driven(self) -> bool:
         """True if some element does work on the scene."""
         return any(e.drives for e in self.elements)
+
+    def is_kinked(self) -> bool:
+        """True if the force of some element is not smooth at some place: a touch, a stop, the edge
+        of a field, a root of the stretch.
+        """
+        return any(element.is_kinked for element in self.elements)
+
+    def singularities(self) -> list[tuple[Element, Singularity]]:
+        """Every element whose force is not smooth where a motion may pass, with its singularity."""
+        pairs = ((element, element.singularity()) for element in self.elements)
+        return [(element, singular) for element, singular in pairs if singular is not None]
 
     def potential(self, position: Array, attitude: Array) -> Array:
         """Potential energy of every element (T,) [J] for position (T, N, 3) [m] and attitude (T, N,

@@ -14,7 +14,6 @@ from numpy.typing import NDArray
 from refdem.core.engine import Engine, Method
 from refdem.core.finding import Finding
 from refdem.core.problem import CLOCK_ROUNDINGS, Motion, Request
-from refdem.core.refinement import KINKS
 from refdem.core.trajectory import STATE, Trajectory
 from refdem.engines.external.program import KEPT
 from refdem.engines.external.serving import NOT_AGAIN
@@ -236,7 +235,7 @@ def _allowed(method: Method, probe: Probe) -> tuple[float, str]:
     """
     problem = Motion(probe.scene, probe.times)
     is_second_order = method.control != "step" or method.order_for(problem.features) >= 2
-    is_smooth = not KINKS & problem.features
+    is_smooth = not probe.scene.is_kinked()
     if is_second_order and is_smooth and method.velocity_time == "synchronous":
         return min(BOUND, SMOOTH_BOUND * max(1.0, method.constant)), SMOOTH_BASIS
     return BOUND, BASIS

@@ -280,7 +280,7 @@ def test_a_singular_force_limits_the_order_by_its_exponent_and_jumps_are_left_to
     elements, exponent, feature
 ):
     of = instance([SPHERE], elements)
-    found = [limit for _, limit in refinement.singularities(of.scene)]
+    found = [limit for _, limit in of.scene.singularities()]
     if exponent is None:
         assert found == []
         return

@@ -55,7 +55,8 @@ def test_what_is_written_is_told_and_is_well_formed(
         assert "$" not in text
         if path.suffix == ".py":
             ast.parse(text)
-    next_one = f"pytest tests/{'solvers' if kind == 'kernel' else kind + 's'}/test_"
+    folder = {"kernel": "solvers", "element": "scene/elements"}.get(kind, f"{kind}s")
+    next_one = f"pytest tests/{folder}/test_"
     assert next_one + name.replace("-", "_") in done.stdout
 
 
@@ -105,7 +106,7 @@ def test_a_name_that_cannot_be_one_is_refused(name: str, tree: Path, command_lin
 def test_a_kind_that_there_is_not_is_refused(tree: Path, command_line: Run) -> None:
     done = command_line("new", "solver", "one", "--package", str(tree))
     assert done.returncode == 2
-    assert "'solver'; expected one of case, check, engine, kernel" in done.stderr
+    assert "'solver'; expected one of case, check, element, engine, kernel" in done.stderr
 
 
 def test_a_folder_that_is_no_tree_is_refused(tmp_path: Path, command_line: Run) -> None:

@@ -209,8 +209,8 @@ def test_a_contact_without_a_spring_that_comes_to_stick_is_refused_in_the_run():
 def test_the_parts_are_its_own_and_a_run_leaves_nothing_behind():
     first, second = (run("pendulum", "verlet", 2) for _ in range(2))
     np.testing.assert_array_equal(first.position, second.position)
-    engine = Transparent(replace(Transparent().parts, weight=lambda mass, g: (0.0, 0.0, 0.0)))
-    assert engine.parts.weight is not Transparent().parts.weight
+    engine = Transparent(replace(Transparent().parts, kicked=lambda v, force, mass, h: v))
+    assert engine.parts.kicked is not Transparent().parts.kicked
 
 
 def test_a_defect_that_cancels_on_the_way_back_has_no_order_to_lack():

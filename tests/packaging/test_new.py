@@ -1,5 +1,6 @@
-"""One case, check, engine and kernel are added to a copy of the tree by `refdem new` and taken away
-again: nothing else is edited, and all tests that look at every one of a kind hold for the new one.
+"""One case, check, element, engine and kernel are added to a copy of the tree by `refdem new` and
+taken away again: nothing else is edited, and all tests that look at every one of a kind hold for
+the new one.
 """
 
 import os
@@ -16,7 +17,13 @@ from refdem import kernels
 
 ROOT = Path(__file__).parents[2]
 COMMAND = "from refdem.cli import main; main()"
-NAMES = {"case": "new-throw", "check": "new-line", "engine": "new-hop", "kernel": "new-fall"}
+NAMES = {
+    "case": "new-throw",
+    "check": "new-line",
+    "element": "new-pull",
+    "engine": "new-hop",
+    "kernel": "new-fall",
+}
 WRITTEN = {
     "refdem/cases/new_throw.py",
     "refdem/truth/witnesses/new_throw.py",
@@ -25,6 +32,8 @@ WRITTEN = {
     "refdem/checks/new_line.py",
     "refdem/faults/catalogue/new_line.py",
     "tests/checks/test_new_line.py",
+    "refdem/scene/elements/new_pull.py",
+    "tests/scene/elements/test_new_pull.py",
     "refdem/engines/new_hop.py",
     "tests/engines/test_new_hop.py",
     "refdem/kernels/new_fall.c",
@@ -45,8 +54,8 @@ ABOUT_NONE = (
 """Folders without tests of every case, check, engine or kernel; the pages of the manual are made by
 a command of their own."""
 CHOSEN = (
-    "new_ or new-throw or new-line or new-hop or new-fall or every_check_has or these_cases"
-    " or every_case_has or every_case_with or every_method_answers or every_c_file"
+    "new_ or new-throw or new-line or new-pull or new-hop or new-fall or every_check_has"
+    " or these_cases or every_case_has or every_case_with or every_method_answers or every_c_file"
     " or has_a_witness or full_has_everything"
 )
 """The tests of the new ones, and those that hold lists against what is there."""

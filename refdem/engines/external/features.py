@@ -44,13 +44,9 @@ FEATURES = {
 }
 """What `supports` and `order_with` may name."""
 
-MEANINGS = {
-    "ball_joint": "a point of one body is held at a point of another, or of the world",
+MEANINGS = {kind: element.meaning for kind, element in KINDS.items()} | {
     "bodies_file": "more than 1e4 bodies: they come in a file of NumPy's, bodies.npz",
-    "catch": "a mass that flies past a point is caught by a rod when it is closest",
-    "central_field": "acceleration -gm r/|r|^3 towards the origin",
     "constraint": "comes with a rod, a ball joint, a catch: coordinates that are not free",
-    "contact": "bodies meet; comes with the law, below",
     "contact:damping": "a dashpot along the normal; comes with the law",
     "contact:friction": "friction of contacts; comes with `friction`",
     "contact:hertz": "normal force k overlap^(3/2)",
@@ -59,26 +55,15 @@ MEANINGS = {
     "contact:rigid": "impacts without duration, with a coefficient of restitution",
     "contact:tangential-restitution": "rigid impacts that give part of the slip back",
     "contact:two-levers": "slip at the radius, torque of friction at R - overlap/2",
-    "dashpot": "a force against the velocity of one anchor towards the other",
     "dashpot:van_der_pol": "a dashpot that depends on the distance of its anchors",
     "dimension:1": "motion along one line; who names no dimension runs in all three",
     "dimension:2": "motion in one plane",
     "dimension:3": "motion in space",
-    "drag": "a force against the velocity, as its square",
     "fixed": "bodies that do not move",
-    "force": "a force that oscillates in time",
     "friction": "Coulomb's friction of contacts or sliders",
-    "internal_damping": "a body that dissipates inside and keeps its angular momentum",
-    "moving_anchor": "a body that is moved along a line as a cosine of time",
-    "periodic_box": "images of all bodies, a period apart",
-    "piecewise_field": "a force that is linear in the place in each of two pieces, and zero beyond",
-    "plane": "a wall",
-    "rod": "two anchors at a fixed distance",
-    "rotating_dashpot": "a dashpot whose fluid turns: F = -damping (v - rate x d)",
     "rotation": "bodies that may turn: attitude and omega belong to the state",
     "shape:polyhedron": "a body with faces",
     "shape:sphere": "comes with contacts: bodies with a radius",
-    "slider": "dry friction of a body along an axis, under a given normal force",
     "slider:belt": "a slider on a belt that moves",
     "slider:stribeck": "friction of a slider that falls with the speed",
     "solid:about": "mass properties about a point that is not the centre of mass",
@@ -91,14 +76,10 @@ MEANINGS = {
     "solid:polyhedron": "mass properties of a polyhedron",
     "solid:sphere": "mass properties of a sphere",
     "solid:turned": "mass properties in axes that are turned",
-    "spring": "a force along the line of two anchors, proportional to the stretch",
     "spring:cubic": "a spring with a term of third power",
     "spring:exponent": "a spring with another power of the stretch than 1",
     "spring:quadratic": "a spring with a term of second power",
-    "string_over_wheel": "two masses on a string over a wheel, of which one swings",
     "tumbling": "comes with rotation: a body whose axis of spin moves",
-    "uniform_gravity": "an acceleration that is the same everywhere",
-    "wedge": "presses bodies that have passed a point, by the side that they turn to it",
 }
 """What each of FEATURES means, for people."""
 IMPLIED = {

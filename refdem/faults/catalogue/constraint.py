@@ -3,7 +3,6 @@
 from functools import partial
 from typing import Any
 
-from refdem.faults import vectors as vec
 from refdem.faults.change import (
     Inside,
     late,
@@ -15,6 +14,7 @@ from refdem.faults.change import (
 )
 from refdem.faults.fault import Fault
 from refdem.faults.parts import Parts
+from refdem.mechanics import vectors as vec
 from refdem.scene.elements.rod import Rod
 
 constraint = partial(Fault, kind="constraint", on=("swing",))

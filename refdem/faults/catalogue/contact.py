@@ -7,10 +7,10 @@ from functools import partial
 from typing import Any
 
 from refdem.core.problem import Request
-from refdem.faults import vectors as vec
 from refdem.faults.change import of_arguments, of_elements, of_parts, of_results, scaled
 from refdem.faults.fault import Fault
 from refdem.faults.parts import Parts
+from refdem.mechanics import vectors as vec
 from refdem.scene import Scene, Sphere
 from refdem.scene.elements.contact import Contact
 

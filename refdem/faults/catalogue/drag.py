@@ -4,32 +4,23 @@ from functools import partial
 from math import sqrt
 from typing import Any
 
-from refdem.faults import vectors as vec
-from refdem.faults.change import late, of_elements, scaled
+from refdem.faults.change import late_force, of_elements, of_force, scaled
 from refdem.faults.fault import Fault
-from refdem.faults.parts import Parts
+from refdem.mechanics import vectors as vec
 from refdem.scene.elements.drag import Drag
 
 drag = partial(Fault, kind="drag", sees=("error", "v"))
 
 
-def _linear(sound: Parts) -> dict[str, Any]:
+def _linear(fluid: Any, t: Any, d: Any, relative: Any) -> Any:
     """Drag in proportion to the velocity, right at 1 m/s."""
-
-    def part(fluid: Any, relative: Any) -> Any:
-        return vec.times(-fluid.coefficient, relative)
-
-    return {"drag_force": part}
+    return vec.times(-fluid.coefficient, relative)
 
 
-def _three_halves(sound: Parts) -> dict[str, Any]:
+def _three_halves(fluid: Any, t: Any, d: Any, relative: Any) -> Any:
     """Drag as the power 3/2 of the velocity, right at 1 m/s."""
-
-    def part(fluid: Any, relative: Any) -> Any:
-        speed = vec.size(relative)
-        return vec.times(-fluid.coefficient * sqrt(speed), relative)
-
-    return {"drag_force": part}
+    speed = vec.size(relative)
+    return vec.times(-fluid.coefficient * sqrt(speed), relative)
 
 
 FAULTS = (
@@ -50,13 +41,13 @@ FAULTS = (
         name="drag-linear",
         sentence="The drag is proportional to the velocity and not to its square.",
         on=("falling", "thrown"),
-        inside=_linear,
+        inside=of_force(Drag, lambda _: _linear),
     ),
     drag(
         name="drag-three-halves",
         sentence="The drag grows as the power 3/2 of the velocity.",
         on=("falling", "thrown"),
-        inside=_three_halves,
+        inside=of_force(Drag, lambda _: _three_halves),
     ),
     drag(
         name="drag-late",
@@ -64,7 +55,7 @@ FAULTS = (
         on=("falling",),
         method="rk4",
         sees=("order", "state"),
-        inside=late("drag_force"),
+        inside=late_force(Drag),
     ),
     drag(
         name="drag-energy",

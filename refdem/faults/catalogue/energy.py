@@ -3,10 +3,10 @@
 from functools import partial
 from typing import Any
 
-from refdem.faults import vectors as vec
-from refdem.faults.change import Inside, of_elements, of_parts, of_results, scaled
+from refdem.faults.change import Inside, of_elements, of_force, of_results, scaled
 from refdem.faults.fault import Fault
 from refdem.faults.parts import Parts
+from refdem.mechanics import vectors as vec
 from refdem.scene.elements.central_field import CentralField
 from refdem.scene.elements.spring import Spring
 from refdem.scene.elements.uniform_gravity import UniformGravity
@@ -29,38 +29,43 @@ def _damped(rate: float) -> Inside:
 def _power(exponent: float) -> Inside:
     """The attraction falls with another power n of the distance: F = -m gm r/r^(n+1)."""
 
-    def central_force(mass: Any, gm: Any, r: Any) -> Any:
-        return vec.times(-mass * gm / vec.size(r) ** (exponent + 1), r)
+    def attraction(field: Any, t: Any, mass: Any, r: Any, v: Any) -> Any:
+        return vec.times(-mass * field.gm / vec.size(r) ** (exponent + 1), r)
 
-    return of_parts(central_force=central_force)
+    return of_force(CentralField, lambda sound: attraction)
 
 
 def _softened(length: float) -> Inside:
     """The attraction is softened at short distance: F = -m gm r/(r^2 + length^2)^(3/2)."""
 
-    def central_force(mass: Any, gm: Any, r: Any) -> Any:
-        return vec.times(-mass * gm / (vec.dot(r, r) + length**2) ** 1.5, r)
+    def attraction(field: Any, t: Any, mass: Any, r: Any, v: Any) -> Any:
+        return vec.times(-mass * field.gm / (vec.dot(r, r) + length**2) ** 1.5, r)
 
-    return of_parts(central_force=central_force)
+    return of_force(CentralField, lambda sound: attraction)
 
 
-def _hardening(sound: Parts) -> dict[str, Any]:
+def _too_heavy(field: Any, t: Any, mass: Any, r: Any, v: Any) -> Any:
+    """The weight of a quarter of a kilogram more."""
+    return vec.times(0.25 + mass, field.g)
+
+
+def _hardening(sound: Any) -> Any:
     """The spring is stiffer by 1 % at 1 m from the origin, in proportion to r^2."""
 
-    def spring_force(spring: Any, a: Any, b: Any) -> Any:
-        return vec.times(1 + 0.01 * vec.dot(a, a), sound.spring_force(spring, a, b))
+    def force(spring: Any, t: Any, d: Any, w: Any) -> Any:
+        return vec.times(1 + 0.01 * vec.dot(d, d), sound(spring, t, d, w))
 
-    return {"spring_force": spring_force}
+    return force
 
 
-def _swirling(sound: Parts) -> dict[str, Any]:
+def _swirling(sound: Any) -> Any:
     """The spring also pushes across the radius, about z."""
 
-    def spring_force(spring: Any, a: Any, b: Any) -> Any:
-        across = (-a[1], a[0], 0.0)
-        return vec.moved(sound.spring_force(spring, a, b), 1e-3, across)
+    def force(spring: Any, t: Any, d: Any, w: Any) -> Any:
+        across = (-d[1], d[0], 0.0)
+        return vec.moved(sound(spring, t, d, w), 1e-3, across)
 
-    return {"spring_force": spring_force}
+    return force
 
 
 def _clamped(v: Any) -> Any:
@@ -68,15 +73,15 @@ def _clamped(v: Any) -> Any:
     return tuple(min(0.5, max(-0.5, x)) for x in v)
 
 
-def _one_sided(sound: Parts) -> dict[str, Any]:
+def _one_sided(sound: Any) -> Any:
     """The spring pulls where x > 0 only."""
 
-    def spring_force(spring: Any, a: Any, b: Any) -> Any:
-        if a[0] > 0:
-            return sound.spring_force(spring, a, b)
+    def force(spring: Any, t: Any, d: Any, w: Any) -> Any:
+        if d[0] > 0:
+            return sound(spring, t, d, w)
         return vec.ZERO
 
-    return {"spring_force": spring_force}
+    return force
 
 
 def _softer_wall(sound: Parts) -> dict[str, Any]:
@@ -91,19 +96,19 @@ def _softer_wall(sound: Parts) -> dict[str, Any]:
     return {"overlap": overlap}
 
 
-def _dragged(sound: Parts) -> dict[str, Any]:
+def _dragged(sound: Any) -> Any:
     """A little drag, from the way since the last evaluation."""
     place_before: Any = None
 
-    def spring_force(spring: Any, a: Any, b: Any) -> Any:
+    def force(spring: Any, t: Any, d: Any, w: Any) -> Any:
         nonlocal place_before
         way = vec.ZERO
         if place_before is not None:
-            way = vec.minus(a, place_before)
-        place_before = a
-        return vec.moved(sound.spring_force(spring, a, b), -1e-3, way)
+            way = vec.minus(d, place_before)
+        place_before = d
+        return vec.moved(sound(spring, t, d, w), -1e-3, way)
 
-    return {"spring_force": spring_force}
+    return force
 
 
 FAULTS = (
@@ -125,7 +130,7 @@ FAULTS = (
         method="rk4",
         levels=5,
         sees=("energy", "finest"),
-        inside=_dragged,
+        inside=of_force(Spring, _dragged),
     ),
     energy(
         name="exponent",
@@ -156,7 +161,7 @@ FAULTS = (
         name="spring-one-sided",
         sentence="The spring pulls on one side only.",
         sees=("error", "x"),
-        inside=_one_sided,
+        inside=of_force(Spring, _one_sided),
     ),
     energy(
         name="spring-cubic",
@@ -164,7 +169,7 @@ FAULTS = (
         method="suzuki",
         sees=("error", "x"),
         levels=4,
-        inside=_hardening,
+        inside=of_force(Spring, _hardening),
     ),
     energy(
         name="spring-twice",
@@ -184,7 +189,7 @@ FAULTS = (
         on=("ellipse",),
         method="suzuki",
         sees=("angular-momentum", "total"),
-        inside=_swirling,
+        inside=of_force(Spring, _swirling),
     ),
     energy(
         name="gravity-sign",
@@ -198,7 +203,7 @@ FAULTS = (
         sentence="The weight is that of a quarter of a kilogram more.",
         on=("hanging",),
         sees=("error", "x"),
-        inside=of_parts(weight=lambda mass, g: vec.times(0.25 + mass, g)),
+        inside=of_force(UniformGravity, lambda sound: _too_heavy),
     ),
     energy(
         name="gravity-missing",

@@ -3,11 +3,11 @@
 from functools import partial
 from typing import Any
 
-from refdem.faults import vectors as vec
 from refdem.faults.change import of_arguments, of_elements, of_parts, of_results, scaled
 from refdem.faults.fault import Fault
 from refdem.faults.parts import Parts
 from refdem.faults.regularised import regularised
+from refdem.mechanics import vectors as vec
 from refdem.scene.elements.contact import Contact
 from refdem.scene.elements.slider import Slider
 

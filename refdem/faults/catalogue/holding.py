@@ -11,10 +11,10 @@ import numpy as np
 
 from refdem.core.problem import Request
 from refdem.core.trajectory import Trajectory
-from refdem.faults import vectors as vec
 from refdem.faults.change import of_bodies, of_elements, of_parts, of_results, scaled, within
 from refdem.faults.fault import Fault
 from refdem.faults.parts import HoldingParts
+from refdem.mechanics import vectors as vec
 from refdem.mechanics.quaternion import conjugate, rotated
 from refdem.scene import Scene
 from refdem.scene.elements.ball_joint import BallJoint

@@ -13,7 +13,6 @@ import numpy as np
 from refdem.core.problem import Request
 from refdem.core.trajectory import Trajectory
 from refdem.faults import impacts
-from refdem.faults import vectors as vec
 from refdem.faults.change import (
     Inside,
     every_other,
@@ -28,6 +27,7 @@ from refdem.faults.change import (
 )
 from refdem.faults.fault import Fault
 from refdem.faults.parts import Parts
+from refdem.mechanics import vectors as vec
 from refdem.scene.elements.contact import Contact
 
 impact = partial(Fault, kind="impacts")

@@ -4,22 +4,26 @@ from functools import partial
 from itertools import count
 from typing import Any
 
-from refdem.faults import vectors as vec
 from refdem.faults.change import (
     Late,
-    every_other,
     forgetting,
     late,
     of_elements,
+    of_force,
     of_pace,
     of_parts,
     of_results,
     scaled,
+    skipping,
+    with_force,
 )
 from refdem.faults.fault import Fault
 from refdem.faults.parts import Parts
 from refdem.faults.sound import S4
+from refdem.mechanics import vectors as vec
+from refdem.scene.elements.central_field import CentralField
 from refdem.scene.elements.spring import Spring
+from refdem.scene.elements.uniform_gravity import UniformGravity
 
 integrator = partial(Fault, kind="integrator", on=("oscillator",))
 ORDER = ("order", "state")
@@ -69,13 +73,13 @@ def _lopsided(sound: Parts) -> dict[str, Any]:
 
 def _averaged(sound: Parts) -> dict[str, Any]:
     """Attraction is the mean of the present one and the one before."""
-    previous = Late(sound.central_force)
+    attraction = sound.forces[CentralField]
+    previous = Late(attraction)
 
-    def central_force(*arguments: Any) -> Any:
-        force = sound.central_force(*arguments)
-        return vec.times(0.5, vec.plus(force, previous(*arguments)))
+    def averaged(*arguments: Any) -> Any:
+        return vec.times(0.5, vec.plus(attraction(*arguments), previous(*arguments)))
 
-    return forgetting(sound, previous.answers.clear, central_force=central_force)
+    return forgetting(sound, previous.answers.clear, **with_force(sound, CentralField, averaged))
 
 
 FAULTS = (
@@ -244,7 +248,7 @@ FAULTS = (
         sentence="Gravity acts in the first kick only.",
         on=("hanging",),
         sees=("error", "x"),
-        inside=every_other("weight"),
+        inside=of_force(UniformGravity, skipping),
     ),
     integrator(
         name="force-at-the-middle",

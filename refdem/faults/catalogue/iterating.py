@@ -14,10 +14,10 @@ import numpy as np
 from refdem.core.maps import LorenzFlow
 from refdem.core.problem import Request
 from refdem.core.trajectory import Trajectory
-from refdem.faults import vectors as vec
 from refdem.faults.change import Inside, of_arguments, of_parts, within
 from refdem.faults.fault import Fault
 from refdem.faults.iterating import SOUND_MAPS
+from refdem.mechanics import vectors as vec
 
 mapped = partial(Fault, kind="map", method="iterated")
 PLACE = ("error", "position.x")

@@ -3,10 +3,10 @@
 from functools import partial
 from typing import Any
 
-from refdem.faults import vectors as vec
 from refdem.faults.change import every_other, of_arguments, of_elements, of_results, scaled
 from refdem.faults.fault import Fault
 from refdem.faults.parts import Parts
+from refdem.mechanics import vectors as vec
 from refdem.scene.elements.contact import Contact
 
 contact = partial(Fault, kind="contact")

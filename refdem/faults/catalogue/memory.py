@@ -11,10 +11,11 @@ from typing import Any
 
 from refdem.core.problem import Request
 from refdem.core.trajectory import Trajectory
-from refdem.faults import vectors as vec
-from refdem.faults.change import forgetting
+from refdem.faults.change import forgetting, with_force
 from refdem.faults.fault import Fault
 from refdem.faults.parts import Parts
+from refdem.mechanics import vectors as vec
+from refdem.scene.elements.spring import Spring
 
 memory = partial(Fault, kind="memory", on=("oscillator",))
 AGAIN = ("determinism", "repeated")
@@ -73,15 +74,17 @@ def _kept_force(sound: Parts) -> dict[str, Any]:
         # The very first run has no run before it.
         is_first_of_run = last_force is not None
 
-    def spring_force(spring: Any, a: Any, b: Any) -> Any:
+    sound_force = sound.forces[Spring]
+
+    def force(*arguments: Any) -> Any:
         nonlocal last_force, is_first_of_run
         if is_first_of_run:
             is_first_of_run = False
         else:
-            last_force = sound.spring_force(spring, a, b)
+            last_force = sound_force(*arguments)
         return last_force
 
-    return forgetting(sound, begin, spring_force=spring_force)
+    return forgetting(sound, begin, **with_force(sound, Spring, force))
 
 
 def _forwards(request: Request, run: Trajectory) -> Trajectory:

@@ -9,10 +9,9 @@ from typing import Any
 import msgspec
 
 from refdem.core.problem import Request
-from refdem.faults import vectors as vec
-from refdem.faults.change import late, of_elements, of_results, scaled
+from refdem.faults.change import late_force, of_elements, of_force, of_results, scaled
 from refdem.faults.fault import Fault
-from refdem.faults.parts import Parts
+from refdem.mechanics import vectors as vec
 from refdem.scene import Scene
 from refdem.scene.elements.dashpot import Dashpot
 from refdem.scene.elements.force import Force
@@ -47,20 +46,18 @@ def _last_force(request: Request) -> Request:
     return request.with_scene(Scene(scene.bodies, kept))
 
 
-def _odd_square(sound: Parts) -> dict[str, Any]:
+def _odd_square(sound: Any) -> Any:
     """The square of the stretch acts with the sign of the stretch: where the spring is shorter than
     its natural length the other way.
     """
 
-    def spring_force(spring: Any, a: Any, b: Any) -> Any:
-        force = sound.spring_force(spring, a, b)
-        branch = vec.minus(b, a)
-        distance = vec.size(branch)
+    def force(spring: Any, t: Any, d: Any, w: Any) -> Any:
+        distance = vec.size(d)
         shortening = min(0.0, distance - spring.length)
-        change = -2 * spring.quadratic * shortening * shortening / distance
-        return vec.moved(force, change, branch)
+        change = 2 * spring.quadratic * shortening * shortening / distance
+        return vec.moved(sound(spring, t, d, w), change, d)
 
-    return {"spring_force": spring_force}
+    return force
 
 
 def _within_512_metres(place: Any) -> Any:
@@ -95,7 +92,7 @@ FAULTS = (
         on=("viscous",),
         method="rk4",
         sees=("order", "state"),
-        inside=late("dashpot_force"),
+        inside=late_force(Dashpot),
     ),
     oscillator(
         name="dashpot-late-unproved",
@@ -103,7 +100,7 @@ FAULTS = (
         on=("unproved",),
         method="rk4",
         sees=("convergence", "state"),
-        inside=late("dashpot_force"),
+        inside=late_force(Dashpot),
     ),
     oscillator(
         name="drive-per-mass",
@@ -135,7 +132,7 @@ FAULTS = (
         sentence="The force is that of the evaluation before.",
         on=("driven",),
         sees=("order", "state"),
-        inside=late("drive_force"),
+        inside=late_force(Force),
     ),
     oscillator(
         name="cube-sign",
@@ -153,7 +150,7 @@ FAULTS = (
         name="square-odd",
         sentence="The square of the stretch has the sign of the stretch.",
         on=("lopsided",),
-        inside=_odd_square,
+        inside=of_force(Spring, _odd_square),
     ),
     oscillator(
         name="square-of-one-sign",

@@ -8,9 +8,9 @@ import numpy as np
 
 from refdem.core.problem import Request
 from refdem.core.trajectory import STATE, Trajectory
-from refdem.faults import vectors as vec
 from refdem.faults.change import digits, of_columns, of_parts, of_results
 from refdem.faults.fault import Fault
+from refdem.mechanics import vectors as vec
 
 output = partial(Fault, kind="output", on=("oscillator",))
 TRAJECTORY = ("run", "trajectory")

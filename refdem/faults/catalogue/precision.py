@@ -8,6 +8,7 @@ from refdem.faults.change import (
     of_bodies,
     of_columns,
     of_elements,
+    of_force,
     of_results,
     rounded,
     scaled,
@@ -15,6 +16,7 @@ from refdem.faults.change import (
 )
 from refdem.faults.fault import Fault
 from refdem.faults.parts import Parts
+from refdem.scene.elements.spring import Spring
 from refdem.scene.elements.uniform_gravity import UniformGravity
 
 precision = partial(Fault, kind="precision")
@@ -85,7 +87,7 @@ FAULTS = (
         method="suzuki",
         levels=8,
         sees=("error", "x"),
-        inside=of_results(spring_force=rounded),
+        inside=of_force(Spring, lambda sound: lambda *given: rounded(sound(*given))),
     ),
     precision(
         name="out-single",

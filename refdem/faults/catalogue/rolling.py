@@ -6,7 +6,6 @@ from functools import partial
 from typing import Any
 
 from refdem.faults import rolling
-from refdem.faults import vectors as vec
 from refdem.faults.change import (
     Inside,
     of_arguments,
@@ -18,6 +17,7 @@ from refdem.faults.change import (
     within,
 )
 from refdem.faults.fault import Fault
+from refdem.mechanics import vectors as vec
 from refdem.scene.elements.contact import Contact
 
 roll = partial(Fault, kind="rolling")

@@ -8,7 +8,6 @@ import numpy as np
 
 from refdem.core.problem import Request
 from refdem.core.trajectory import Trajectory
-from refdem.faults import vectors as vec
 from refdem.faults.change import (
     late,
     of_arguments,
@@ -20,6 +19,7 @@ from refdem.faults.change import (
 )
 from refdem.faults.fault import Fault
 from refdem.faults.parts import Parts
+from refdem.mechanics import vectors as vec
 from refdem.mechanics.quaternion import conjugate, rotated
 
 rotation = partial(Fault, kind="rotation")

@@ -11,31 +11,45 @@ import numpy as np
 
 from refdem.core.problem import Request
 from refdem.core.trajectory import Trajectory
-from refdem.faults import vectors as vec
-from refdem.faults.change import forgetting, of_bodies, of_columns, of_pace, of_parts, of_results
+from refdem.faults.change import (
+    Inside,
+    forgetting,
+    of_bodies,
+    of_columns,
+    of_pace,
+    of_parts,
+    of_results,
+    with_force,
+)
 from refdem.faults.fault import Fault
 from refdem.faults.parts import Parts
+from refdem.mechanics import vectors as vec
+from refdem.scene.elements.spring import Spring
 
 subtle = partial(Fault, kind="subtle")
 
 
-def _after(sound: Parts, name: str, calls: int, spoiled: Any) -> dict[str, Any]:
-    """A part that is right for so many calls in a run and spoiled from then on."""
-    sound_part = getattr(sound, name)
-    made = 0
+def _after(calls: int, factor: float) -> Inside:
+    """The spring is right for so many evaluations of a run, then stiffer by a factor."""
 
-    def begin() -> None:
-        nonlocal made
+    def inside(sound: Parts) -> dict[str, Any]:
+        sound_force = sound.forces[Spring]
         made = 0
 
-    def part(*arguments: Any) -> Any:
-        nonlocal made
-        made += 1
-        if made <= calls:
-            return sound_part(*arguments)
-        return spoiled(*arguments)
+        def begin() -> None:
+            nonlocal made
+            made = 0
 
-    return forgetting(sound, begin, **{name: part})
+        def force(*arguments: Any) -> Any:
+            nonlocal made
+            made += 1
+            if made <= calls:
+                return sound_force(*arguments)
+            return vec.times(factor, sound_force(*arguments))
+
+        return forgetting(sound, begin, **with_force(sound, Spring, force))
+
+    return inside
 
 
 def _row(number: int, value: float) -> Any:
@@ -135,9 +149,7 @@ FAULTS = (
         method="suzuki",
         levels=4,
         sees=("error", "x"),
-        inside=lambda sound: _after(
-            sound, "spring_force", 100, lambda *a: vec.times(1.01, sound.spring_force(*a))
-        ),
+        inside=_after(100, 1.01),
     ),
     subtle(
         name="torque-of-the-plane",

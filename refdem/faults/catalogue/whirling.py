@@ -6,7 +6,7 @@ from typing import Any
 import msgspec
 
 from refdem.core.problem import Request
-from refdem.faults.change import late, of_bodies, of_elements, scaled
+from refdem.faults.change import late_force, of_bodies, of_elements, scaled
 from refdem.faults.fault import Fault
 from refdem.scene import Scene
 from refdem.scene.elements.dashpot import Dashpot
@@ -78,6 +78,6 @@ FAULTS = (
         sentence="The fluid that turns acts with the velocity of the evaluation before.",
         method="rk4",
         sees=("order", "state"),
-        inside=late("rotating_dashpot_force"),
+        inside=late_force(RotatingDashpot),
     ),
 )

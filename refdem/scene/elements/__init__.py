@@ -6,7 +6,7 @@ from operator import or_
 from pathlib import Path
 from typing import Any
 
-from refdem.scene.element import Element, Link
+from refdem.scene.element import Element
 
 __all__ = ["KINDS", "AnyElement"]
 
@@ -19,11 +19,8 @@ def _kinds() -> dict[str, type[Element]]:
             continue
         module = import_module(f"refdem.scene.elements.{path.stem}")
         for value in vars(module).values():
-            if (
-                isinstance(value, type)
-                and issubclass(value, Element)
-                and value not in (Element, Link)
-            ):
+            is_element = isinstance(value, type) and issubclass(value, Element)
+            if is_element and value.__module__ == module.__name__:
                 kinds[str(value.__struct_config__.tag)] = value
     return kinds
 

@@ -1,5 +1,7 @@
 """A ball joint: two anchors stay together, the bodies turn about them as they like."""
 
+from typing import ClassVar
+
 from refdem.scene.element import Link
 
 
@@ -7,6 +9,9 @@ class BallJoint(Link, frozen=True, kw_only=True, tag="ball_joint"):
     """Keeps `anchor_a` of body `a` where `anchor_b` of body `b`, or of the world, is; free of
     friction.
     """
+
+    acts_along_line: ClassVar[bool] = True
+    meaning: ClassVar[str] = "a point of one body is held at a point of another, or of the world"
 
     @property
     def external(self) -> bool:  # type: ignore[override]

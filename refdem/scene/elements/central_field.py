@@ -4,16 +4,19 @@ from typing import Any, ClassVar
 
 import numpy as np
 
+from refdem.mechanics import vectors as vec
+from refdem.mechanics.vectors import Vector
 from refdem.scene.dimension import GravityParameter
-from refdem.scene.element import Array, Element
+from refdem.scene.element import Array, Field
 
 
-class CentralField(Element, frozen=True, kw_only=True, tag="central_field"):
+class CentralField(Field, frozen=True, kw_only=True, tag="central_field"):
     """Acceleration `-gm r / |r|**3` of every body towards the origin; gm [m**3/s**2]; potential
     zero at infinity.
     """
 
     external: ClassVar[bool] = True
+    meaning: ClassVar[str] = "acceleration -gm r/|r|^3 towards the origin"
 
     gm: GravityParameter
 
@@ -22,6 +25,20 @@ class CentralField(Element, frozen=True, kw_only=True, tag="central_field"):
         if self.gm > 0:
             return []
         return [f"gm is {self.gm}, expected > 0"]
+
+    def torque_reason(self) -> None:
+        """None: the force points to the origin, so that r x F = 0."""
+
+    def breaks(self, symmetry: str) -> str | None:
+        """The origin is a place of its own, at rest."""
+        if symmetry in ("shifted", "boosted"):
+            return "the central field fixes an origin"
+        return None
+
+    def force(self, t: float, mass: float, r: Vector, v: Vector) -> Vector:
+        """F = -gm m r/|r|^3 (3) [N]."""
+        distance = vec.size(r)
+        return vec.times(-mass * self.gm / (distance * distance * distance), r)
 
     def potential(self, scene: Any, position: Array, attitude: Array) -> Array:
         """The potential energy `-gm sum m/|r|` (T,) [J]."""

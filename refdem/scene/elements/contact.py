@@ -2,7 +2,7 @@
 Coulomb limit, Hertz's, or rigid.
 """
 
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, ClassVar, Literal
 
 import numpy as np
 from msgspec import UNSET, UnsetType
@@ -14,6 +14,7 @@ from refdem.scene.dimension import Damping, Dimension, Number, Stiffness
 from refdem.scene.element import Array, Element
 from refdem.scene.elements.periodic_box import PeriodicBox
 from refdem.scene.elements.plane import Plane
+from refdem.scene.singularity import JUMP, KINK, Singularity
 
 SHORTENINGS = {"R": (0.0, 0.0), "R-d": (1.0, 1.0), "R-d/2": (0.5, 0.5), "slip-R": (0.0, 0.5)}
 """By `branch`: the shares of the overlap by which the levers of slip and of torque are shorter than
@@ -45,6 +46,11 @@ class Contact(Element, frozen=True, kw_only=True, tag="contact"):
     1993). A tangential restitution of 0 is not written, so that scenes that have none are the same
     text as ever.
     """
+
+    pauses: ClassVar[bool] = True
+    switches: ClassVar[bool] = True
+    is_kinked: ClassVar[bool] = True
+    meaning: ClassVar[str] = "bodies meet; comes with the law, below"
 
     law: Literal["linear", "hertz", "rigid"]
     stiffness: Stiffness = 0.0
@@ -127,6 +133,34 @@ class Contact(Element, frozen=True, kw_only=True, tag="contact"):
         if self.slip_restitution > 0:
             names.add("contact:tangential-restitution")
         return frozenset(names)
+
+    def singularity(self) -> Singularity:
+        """The strongest singularity of the law.
+
+        A dashpot's force jumps at the touch, sliding friction without a tangential spring where the
+        slip velocity changes sign. A tangential spring has a kink where it starts to slip.
+        Otherwise the normal force begins as overlap^n, n the exponent of the law.
+        """
+        if self.law == "rigid":
+            return Singularity(JUMP, "contact:rigid")
+        if self.damping > 0:
+            return Singularity(JUMP, "contact:damping")
+        if self.friction > 0 and self.tangential_stiffness == 0:
+            return Singularity(JUMP, "contact:friction")
+        if self.friction > 0:
+            return Singularity(KINK, "contact:friction")
+        return Singularity(self.exponent, "contact")
+
+    def torque_reason(self) -> str | None:
+        """None if the torques of friction on a pair balance that of the forces: the levers R - c d
+        add up to the distance of the centres for c = 1/2 alone.
+        """
+        if self.friction > 0 and self.torque_shortening != 0.5:
+            return (
+                f"the branch vectors {self.branch} do not sum to the centre distance,"
+                " so the contact law itself changes it"
+            )
+        return None
 
     def faults(self) -> list[str]:
         """Negative coefficients, and a linear law without stiffness."""

@@ -2,10 +2,12 @@
 velocity.
 """
 
-from typing import Annotated
+from typing import Annotated, ClassVar
 
 import numpy as np
 
+from refdem.mechanics import vectors as vec
+from refdem.mechanics.vectors import Vector
 from refdem.scene.dimension import Damping, Dimension
 from refdem.scene.element import Array, Link
 
@@ -18,6 +20,11 @@ class Dashpot(Link, frozen=True, kw_only=True, tag="dashpot"):
     in. It resists in all directions alike, as a fluid does, so that nothing is singular where the
     anchors meet.
     """
+
+    has_force: ClassVar[bool] = True
+    reads_velocity: ClassVar[bool] = True
+    resists: ClassVar[bool] = True
+    meaning: ClassVar[str] = "a force against the velocity of one anchor towards the other"
 
     damping: Damping = 0.0
     van_der_pol: Annotated[float, Dimension(1, -2, -1)] = 0.0
@@ -43,6 +50,10 @@ class Dashpot(Link, frozen=True, kw_only=True, tag="dashpot"):
         if self.van_der_pol:
             names.add("dashpot:van_der_pol")
         return frozenset(names)
+
+    def force(self, t: float, d: Vector, w: Vector) -> Vector:
+        """F = -(damping + van_der_pol d^2) w (3) [N]."""
+        return vec.times(-(self.damping + self.van_der_pol * vec.dot(d, d)), w)
 
     def power(self, t: Array, position: Array, velocity: Array) -> Array | None:
         """P = -(damping + van_der_pol d^2) |w|^2 (T,) [W]; None for anchors off the centres."""

@@ -4,8 +4,11 @@ from typing import Annotated, ClassVar
 
 import numpy as np
 
+from refdem.mechanics import vectors as vec
+from refdem.mechanics.vectors import Vector
 from refdem.scene.dimension import Dimension
 from refdem.scene.element import Array, Link
+from refdem.scene.singularity import SQUARE, Singularity
 
 
 class Drag(Link, frozen=True, kw_only=True, tag="drag"):
@@ -17,6 +20,10 @@ class Drag(Link, frozen=True, kw_only=True, tag="drag"):
     """
 
     conservative: ClassVar[bool] = False
+    has_force: ClassVar[bool] = True
+    reads_velocity: ClassVar[bool] = True
+    resists: ClassVar[bool] = True
+    meaning: ClassVar[str] = "a force against the velocity, as its square"
 
     coefficient: Annotated[float, Dimension(1, -1, 0)]
 
@@ -30,6 +37,14 @@ class Drag(Link, frozen=True, kw_only=True, tag="drag"):
         if self.coefficient >= 0:
             return []
         return [f"coefficient is {self.coefficient}, expected >= 0"]
+
+    def singularity(self) -> Singularity:
+        """|w| w has no second derivative where the motion turns back."""
+        return Singularity(SQUARE, self.kind)
+
+    def force(self, t: float, d: Vector, w: Vector) -> Vector:
+        """F = -coefficient |w| w (3) [N]."""
+        return vec.times(-self.coefficient * vec.size(w), w)
 
     def power(self, t: Array, position: Array, velocity: Array) -> Array | None:
         """P = -coefficient |w|^3 (T,) [W]; None for anchors off the centres."""

@@ -2,11 +2,14 @@
 scene.
 """
 
+from math import cos
 from typing import ClassVar, Self
 
 import msgspec
 import numpy as np
 
+from refdem.mechanics import vectors as vec
+from refdem.mechanics.vectors import Vector
 from refdem.scene import dimension
 from refdem.scene.dimension import Direction, Frequency, Number
 from refdem.scene.element import Array, Link
@@ -23,6 +26,8 @@ class Force(Link, frozen=True, kw_only=True, tag="force"):
     conservative: ClassVar[bool] = False
     drives: ClassVar[bool] = True
     reads_clock: ClassVar[bool] = True
+    has_force: ClassVar[bool] = True
+    meaning: ClassVar[str] = "a force that oscillates in time"
 
     amplitude: dimension.Force
     frequency: Frequency = 0.0
@@ -49,6 +54,11 @@ class Force(Link, frozen=True, kw_only=True, tag="force"):
         if delay:
             return msgspec.structs.replace(self, phase=self.phase - self.frequency * delay)
         return self
+
+    def force(self, t: float, d: Vector, w: Vector) -> Vector:
+        """F = amplitude cos(frequency t + phase) axis (3) [N]."""
+        strength = self.amplitude * cos(self.frequency * t + self.phase)
+        return vec.times(strength, self.axis)
 
     def strength(self, t: Array) -> Array:
         """The force along the axis (T,) [N] at times t (T,) [s]."""

@@ -19,6 +19,8 @@ class InternalDamping(Link, frozen=True, kw_only=True, tag="internal_damping"):
 
     conservative: ClassVar[bool] = False
     external: ClassVar[bool] = False
+    reads_velocity: ClassVar[bool] = True
+    meaning: ClassVar[str] = "a body that dissipates inside and keeps its angular momentum"
 
     coefficient: Annotated[float, Dimension(-1, -2, 1)]
 

@@ -23,6 +23,7 @@ class MovingAnchor(Link, frozen=True, kw_only=True, tag="moving_anchor"):
     external: ClassVar[bool] = True
     drives: ClassVar[bool] = True
     reads_clock: ClassVar[bool] = True
+    meaning: ClassVar[str] = "a body that is moved along a line as a cosine of time"
 
     amplitude: Length
     frequency: Frequency

@@ -2,6 +2,8 @@
 other.
 """
 
+from typing import ClassVar
+
 from refdem.scene.dimension import Length
 from refdem.scene.element import Array, Element
 
@@ -15,6 +17,9 @@ class PeriodicBox(Element, frozen=True, kw_only=True, tag="periodic_box"):
     between images does not act along one line.
     """
 
+    pauses: ClassVar[bool] = True
+    meaning: ClassVar[str] = "images of all bodies, a period apart"
+
     size: Length
 
     def faults(self) -> list[str]:
@@ -22,6 +27,16 @@ class PeriodicBox(Element, frozen=True, kw_only=True, tag="periodic_box"):
         if self.size > 0:
             return []
         return [f"size is {self.size}, expected > 0"]
+
+    def torque_reason(self) -> str:
+        """A pair across the border exerts forces on two lines."""
+        return "forces between periodic images do not act along one line"
+
+    def breaks(self, symmetry: str) -> str | None:
+        """The edges of the box have directions."""
+        if symmetry == "rotated":
+            return "the periodic box has fixed axes"
+        return None
 
     def nearest(self, branch: Array) -> Array:
         """The branch vectors (..., 3) [m] between bodies, each to the nearest image of the other:

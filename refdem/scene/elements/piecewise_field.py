@@ -6,11 +6,14 @@ from typing import Any, ClassVar
 
 import numpy as np
 
+from refdem.mechanics import vectors as vec
+from refdem.mechanics.vectors import Vector
 from refdem.scene.dimension import Direction, Length, Position, Stiffness
-from refdem.scene.element import Array, Element
+from refdem.scene.element import Array, Field
+from refdem.scene.singularity import KINK, Singularity
 
 
-class PiecewiseField(Element, frozen=True, kw_only=True, tag="piecewise_field"):
+class PiecewiseField(Field, frozen=True, kw_only=True, tag="piecewise_field"):
     """Force F(s) along `axis` on every body that is not fixed, s = (r - point).axis [m]; potential
     zero before x1.
 
@@ -20,6 +23,11 @@ class PiecewiseField(Element, frozen=True, kw_only=True, tag="piecewise_field"):
     """
 
     external: ClassVar[bool] = True
+    pauses: ClassVar[bool] = True
+    is_kinked: ClassVar[bool] = True
+    meaning: ClassVar[str] = (
+        "a force that is linear in the place in each of two pieces, and zero beyond"
+    )
 
     k1: Stiffness
     k2: Stiffness
@@ -45,7 +53,16 @@ class PiecewiseField(Element, frozen=True, kw_only=True, tag="piecewise_field"):
             faults.append(f"axis has length {sum(x * x for x in self.axis) ** 0.5}, expected 1")
         return faults
 
-    def force(self, s: Array) -> Array:
+    def singularity(self) -> Singularity:
+        """The slope of the force jumps at x1, 0 and x2."""
+        return Singularity(KINK, self.kind)
+
+    def force(self, t: float, mass: float, r: Vector, v: Vector) -> Vector:
+        """The force F(s) (3) [N] along the axis at s = (r - point) . axis."""
+        s = vec.dot(vec.minus(r, self.point), self.axis)
+        return vec.times(float(self.strength(np.array(s))), self.axis)
+
+    def strength(self, s: Array) -> Array:
         """The force F [N] at positions s [m] along the axis, both of any shape: k1 (s - x1) from x1
         to 0, k2 (s - x2) from 0 to x2, else 0.
         """

@@ -10,6 +10,8 @@ class Plane(Element, frozen=True, kw_only=True, tag="plane"):
     """A wall through `point` [m] whose unit `normal` looks at the bodies."""
 
     external: ClassVar[bool] = True
+    pauses: ClassVar[bool] = True
+    meaning: ClassVar[str] = "a wall"
 
     point: Position = (0.0, 0.0, 0.0)
     normal: Direction = (0.0, 0.0, 1.0)

@@ -1,11 +1,16 @@
 """A rigid, massless rod: a constraint that keeps two anchors at a fixed distance."""
 
+from typing import ClassVar
+
 from refdem.scene.dimension import Length
 from refdem.scene.element import Link
 
 
 class Rod(Link, frozen=True, kw_only=True, tag="rod"):
     """Keeps the anchors `length` [m] apart; positive rod force is tension."""
+
+    acts_along_line: ClassVar[bool] = True
+    meaning: ClassVar[str] = "two anchors at a fixed distance"
 
     length: Length
 

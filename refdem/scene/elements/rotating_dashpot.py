@@ -6,6 +6,8 @@ from typing import ClassVar
 
 import numpy as np
 
+from refdem.mechanics import vectors as vec
+from refdem.mechanics.vectors import Vector
 from refdem.scene.dimension import Damping, Omega
 from refdem.scene.element import Array, Link
 
@@ -20,6 +22,9 @@ class RotatingDashpot(Link, frozen=True, kw_only=True, tag="rotating_dashpot"):
     """
 
     external: ClassVar[bool] = True
+    has_force: ClassVar[bool] = True
+    reads_velocity: ClassVar[bool] = True
+    meaning: ClassVar[str] = "a dashpot whose fluid turns: F = -damping (v - rate x d)"
 
     damping: Damping
     rate: Omega = (0.0, 0.0, 0.0)
@@ -48,6 +53,11 @@ class RotatingDashpot(Link, frozen=True, kw_only=True, tag="rotating_dashpot"):
         if any(self.anchor_a):
             faults.append("anchor_a is not 0; expected the centre of the body")
         return faults
+
+    def force(self, t: float, d: Vector, w: Vector) -> Vector:
+        """F = -damping (w - rate x d) (3) [N]."""
+        of_fluid = vec.cross(self.rate, d)
+        return vec.times(-self.damping, vec.minus(w, of_fluid))
 
     def power(self, t: Array, position: Array, velocity: Array) -> Array:
         """P = -damping (v - rate x d) . v (T,) [W]."""

@@ -6,6 +6,7 @@ from typing import Annotated, Any, ClassVar, Literal
 
 from refdem.scene.dimension import Dimension, Direction, Force, Number
 from refdem.scene.element import Link
+from refdem.scene.singularity import JUMP, Singularity
 
 SpeedInverse = Annotated[float, Dimension(0, -1, 1)]
 SpeedsInverse = Annotated[float, Dimension(0, -2, 2)]
@@ -23,6 +24,10 @@ class Slider(Link, frozen=True, kw_only=True, tag="slider"):
     """
 
     conservative: ClassVar[bool] = False
+    rubs: ClassVar[bool] = True
+    switches: ClassVar[bool] = True
+    is_kinked: ClassVar[bool] = True
+    meaning: ClassVar[str] = "dry friction of a body along an axis, under a given normal force"
 
     friction: Number = 0.0
     normal_force: Force
@@ -65,6 +70,10 @@ class Slider(Link, frozen=True, kw_only=True, tag="slider"):
         if self.belt_velocity:
             names.add("slider:belt")
         return frozenset(names)
+
+    def singularity(self) -> Singularity:
+        """Dry friction jumps where the slip changes its sign."""
+        return Singularity(JUMP, "friction")
 
     def faults(self) -> list[str]:
         """Faults of the fields: a negative coefficient or normal force."""

@@ -2,12 +2,15 @@
 its square and cube.
 """
 
-from typing import Annotated, Any
+from typing import Annotated, Any, ClassVar
 
 import numpy as np
 
+from refdem.mechanics import vectors as vec
+from refdem.mechanics.vectors import Vector
 from refdem.scene.dimension import Dimension, Length, Number, Stiffness
 from refdem.scene.element import Array, Link
+from refdem.scene.singularity import Singularity
 
 
 class Spring(Link, frozen=True, kw_only=True, tag="spring"):
@@ -17,6 +20,10 @@ class Spring(Link, frozen=True, kw_only=True, tag="spring"):
     stiffness [N/m**exponent], quadratic [N/m**2], cubic [N/m**3], each of any sign; potential zero
     at the distance `length`.
     """
+
+    has_force: ClassVar[bool] = True
+    acts_along_line: ClassVar[bool] = True
+    meaning: ClassVar[str] = "a force along the line of two anchors, proportional to the stretch"
 
     stiffness: Stiffness
     length: Length = 0.0
@@ -28,6 +35,11 @@ class Spring(Link, frozen=True, kw_only=True, tag="spring"):
     def external(self) -> bool:  # type: ignore[override]
         """A spring to the world pushes the bodies from outside."""
         return self.b < 0
+
+    @property
+    def is_kinked(self) -> bool:  # type: ignore[override]
+        """A power of the stretch other than 1 is not smooth where the spring is at rest."""
+        return self.exponent != 1
 
     def dimension(self, field: str) -> Dimension | None:
         """The dimension of a field; `stiffness` [N/m**exponent] depends on the exponent."""
@@ -54,15 +66,34 @@ class Spring(Link, frozen=True, kw_only=True, tag="spring"):
             faults.append(f"exponent is {self.exponent}, expected > 0")
         return faults
 
-    def pull(self, stretch: Array) -> Array:
+    def singularity(self) -> Singularity | None:
+        """|s|^n sgn s has no Taylor series at s = 0 unless n is odd."""
+        if self.stiffness == 0 or self.exponent % 2 == 1:
+            return None
+        return Singularity(self.exponent, "spring:exponent")
+
+    def has_arbitrary_zero(self) -> bool:
+        """True for a spring that repels: its potential is zero on top of a hill."""
+        return self.stiffness < 0
+
+    def force(self, t: float, d: Vector, w: Vector) -> Vector:
+        """F = -pull(|d| - length) d/|d| (3) [N]; zero where the ends meet."""
+        is_linear = self.exponent == 1 and not (self.quadratic or self.cubic)
+        if is_linear and self.length == 0:
+            return vec.times(-self.stiffness, d)
+        distance = vec.size(d)
+        if distance > 0:
+            return vec.times(-self.pull(distance - self.length) / distance, d)
+        return vec.ZERO
+
+    def pull(self, stretch: Any) -> Any:
         """Force [N] that pulls the ends together at a stretch [m], both of any shape."""
         # k sgn(s) |s|^n + a s^2 + b s^3.
-        s = np.asarray(stretch, float)
-        power = self.stiffness * np.sign(s) * np.abs(s) ** self.exponent
-        pull: Array = power + (self.quadratic + self.cubic * s) * s * s
-        return pull
+        s = stretch
+        power = self.stiffness * abs(s) ** self.exponent * np.copysign(1.0, s)
+        return power + (self.quadratic + self.cubic * s) * s * s
 
-    def potential_size(self, position: Array, attitude: Array) -> Array:
+    def potential_terms(self, position: Array, attitude: Array) -> Array:
         """The sum (T,) [J] of the absolute terms of the potential, to which its rounding is
         relative.
 

@@ -20,6 +20,7 @@ class StringOverWheel(Element, frozen=True, kw_only=True, tag="string_over_wheel
     """
 
     external: ClassVar[bool] = True
+    meaning: ClassVar[str] = "two masses on a string over a wheel, of which one swings"
 
     a: int
     b: int

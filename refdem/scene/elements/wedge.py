@@ -9,6 +9,7 @@ import numpy as np
 from refdem.mechanics.quaternion import rotated
 from refdem.scene.dimension import Dimension, Direction, Position, Stiffness
 from refdem.scene.element import Array, Element
+from refdem.scene.singularity import JUMP, Singularity
 
 
 class Wedge(Element, frozen=True, kw_only=True, tag="wedge"):
@@ -24,6 +25,12 @@ class Wedge(Element, frozen=True, kw_only=True, tag="wedge"):
     conservative: ClassVar[bool] = False
     external: ClassVar[bool] = True
     drives: ClassVar[bool] = True
+    pauses: ClassVar[bool] = True
+    switches: ClassVar[bool] = True
+    is_kinked: ClassVar[bool] = True
+    meaning: ClassVar[str] = (
+        "presses bodies that have passed a point, by the side that they turn to it"
+    )
 
     quadratic: Annotated[float, Dimension(1, -1, -2)]
     stiffness: Stiffness
@@ -34,6 +41,10 @@ class Wedge(Element, frozen=True, kw_only=True, tag="wedge"):
     def reversible(self) -> bool:
         """True: the force depends on place and orientation, not on the direction of time."""
         return True
+
+    def singularity(self) -> Singularity:
+        """The force jumps where a body that presses turns."""
+        return Singularity(JUMP, self.kind)
 
     def faults(self) -> list[str]:
         """Faults of the fields: forces that do not press, a normal that is not a unit vector."""

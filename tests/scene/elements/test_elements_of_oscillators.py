@@ -38,7 +38,7 @@ def test_the_size_of_a_potential_does_not_cancel():
     attitude = np.array([[[1.0, 0.0, 0.0, 0.0]]])
     place = np.array([[[2.0**0.5, 0.0, 0.0]]])
     assert abs(well.potential(None, place, attitude)[0]) < 1e-15
-    assert well.potential_size(place, attitude)[0] == pytest.approx(2.0, rel=1e-14)
+    assert well.potential_terms(place, attitude)[0] == pytest.approx(2.0, rel=1e-14)
 
 
 def test_features_tell_what_is_beyond_a_linear_spring_and_a_linear_dashpot():

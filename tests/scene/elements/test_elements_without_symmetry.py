@@ -25,7 +25,7 @@ def at(places, attitude=(1.0, 0.0, 0.0, 0.0)):
 
 def test_the_potential_of_the_field_is_minus_the_integral_of_its_force():
     grid = np.linspace(-1.5, 1.0, 20001)
-    force = FIELD.force(grid)
+    force = FIELD.strength(grid)
     integral = np.concatenate([[0.0], np.cumsum(0.5 * (force[1:] + force[:-1]) * np.diff(grid))])
     scene = Scene.of([Body(mass=1.0)], [FIELD])
     assert np.abs(FIELD.potential(scene, *at(grid)) + integral).max() < 1e-7
