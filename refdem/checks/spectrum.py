@@ -1,5 +1,5 @@
 """The lines of a driven oscillator, in amplitude and phase: those of the drives, and those that a
-spring which is not linear makes of them (1.122), (1.123).
+spring which is not linear makes of them (1.122), (1.123), or a cycle of its own (1.124).
 
 A line is a linear map of the samples, c = sum_j l_j x_j (mechanics.spectral_lines), the same for
 the run and for the certified motion. So its error is the map of the errors of the samples,
@@ -8,6 +8,9 @@ the run and for the certified motion. So its error is the map of the errors of t
 
 without any approximation, however long the motion remembers its start. c is complex: an error of
 its amplitude and one of its phase are both at most |c - c_true|, the latter in units of |c|.
+
+Van der Pol's cycle has a frequency w that no formula has: it is read off the certified motion. The
+map is linear at any w, so that the bound does not depend on how well w is known.
 """
 
 from collections.abc import Mapping
@@ -29,7 +32,15 @@ from refdem.core.judgement import (
 from refdem.core.refinement import COUNTING_FLOOR, HORIZON, scored
 from refdem.core.truth import SampledTruth
 from refdem.core.variant import Variant
-from refdem.mechanics.spectral_lines import SAME, Line, free_motions, line_map, mixed_lines
+from refdem.mechanics.spectral_lines import (
+    SAME,
+    Line,
+    cycle_frequency,
+    cycle_lines,
+    free_motions,
+    line_map,
+    mixed_lines,
+)
 from refdem.scene import Scene
 from refdem.scene.elements.dashpot import Dashpot
 from refdem.scene.elements.force import Force
@@ -46,6 +57,17 @@ AMPLIFIED = 10.0
 """Factor by which a line may amplify errors of the samples: beyond it, an error within the horizon,
 a tenth of the scale, may be all of the motion. It is 2 for lines that the samples tell apart well.
 """
+FADED = 9.0
+"""Exponent by which van der Pol's motion has come near to its cycle before lines are read: figure
+1.25 leaves out 45 s, at mu = 0.2.
+"""
+CYCLE_ORDER = 5
+"""Order up to which a cycle and a drive are mixed: 3w-2wd is the last line that figure 1.25 names.
+"""
+FEWEST = 2
+"""Samples of a settled motion without which there is nothing to read."""
+ROUND = 1.0
+"""Largest mu/w0 of a cycle that is nearly a sine: beyond it, relaxation has lines of all orders."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -73,7 +95,7 @@ class Spectrum(Check):
 
     def applies(self, subject: Subject) -> str | None:
         """One body on a line, on a spring that is linear, or has a square or a cube, under periodic
-        forces that the samples tell apart.
+        forces that the samples tell apart; or van der Pol's oscillator under one of them.
         """
         if not is_driven_on_a_line(subject.instance.scene):
             return "the scene is not one body on a spring under periodic forces along a line"
@@ -95,11 +117,11 @@ class Spectrum(Check):
         level = subject.levels[-1]
         allowed = subject.bound(level)
         count = scored(allowed)
-        found = lines_of(subject.instance.scene, subject.instance.times[:count])
+        true = truth.value(PLACE)[:count]
+        found = lines_of(subject.instance.scene, subject.instance.times[:count], true)
         if found is None:
             why = "the samples up to the predictability horizon do not tell the lines apart"
             return [undecided(self.name, "lines", why)]
-        true = truth.value(PLACE)[:count]
         # Errors (count,) [m] of the samples, level by level.
         off = [
             subject.instance.observe(runs[variant].trajectory)[PLACE][:count] - true
@@ -144,7 +166,21 @@ def is_driven_on_a_line(scene: Scene) -> bool:
     is_held = len(springs) == 1 and springs[0].stiffness > 0 and springs[0].exponent == 1
     is_damped_linearly = not any(dashpot.van_der_pol for dashpot in scene.all(Dashpot))
     is_on_a_line = "dimension:1" in scene.features and not scene.bodies.fixed.any()
-    return bool(is_held and is_damped_linearly and is_on_a_line and drives_of(scene))
+    is_driven = is_held and is_on_a_line and drives_of(scene)
+    return bool(is_driven and (is_damped_linearly or has_a_cycle(scene)))
+
+
+def has_a_cycle(scene: Scene) -> bool:
+    """True if one dashpot drives small motions and damps large ones, gently, and one force acts on
+    what is else a linear spring (1.124).
+    """
+    dashpots = scene.all(Dashpot)
+    (spring,) = scene.all(Spring)
+    if len(dashpots) != 1 or len(drives_of(scene)) != 1 or spring.quadratic or spring.cubic:
+        return False
+    (dashpot,) = dashpots
+    gentle = ROUND * float(np.sqrt(spring.stiffness * scene.bodies.mass[0]))
+    return bool(dashpot.van_der_pol > 0 and -gentle <= dashpot.damping < 0)
 
 
 def drives_of(scene: Scene) -> list[float]:
@@ -157,10 +193,14 @@ def drives_of(scene: Scene) -> list[float]:
     return frequencies
 
 
-def lines_of(scene: Scene, t: Array) -> Lines | None:
+def lines_of(scene: Scene, t: Array, true: Array | None = None) -> Lines | None:
     """The lines that the spring makes of the drives, and their map from samples at t (T,) [s]; None
     where these do not tell the lines apart.
+
+    Those of a cycle stand where the `true` motion (T,) has them, or near it without one.
     """
+    if has_a_cycle(scene):
+        return _lines_of_cycle(scene, t, true)
     (spring,) = scene.all(Spring)
     mass = float(scene.bodies.mass[0])
     if spring.quadratic:
@@ -173,10 +213,60 @@ def lines_of(scene: Scene, t: Array) -> Lines | None:
     if not len(t):
         return None
     free = free_motions(t, spring.stiffness / mass, damping / (2 * mass))
-    rows = line_map(t, lines, free)
+    return _told_apart(lines, line_map(t, lines, free))
+
+
+def _told_apart(lines: tuple[Line, ...], rows: Complex | None) -> Lines | None:
+    """The lines and their map, or None where it is none, or amplifies errors too much."""
     if rows is None or np.max(np.sum(np.abs(rows), axis=1)) > AMPLIFIED:
         return None
     return Lines(lines, rows)
+
+
+def _lines_of_cycle(scene: Scene, t: Array, true: Array | None) -> Lines | None:
+    """The lines of a cycle and a drive, and their map from the samples at which the motion has come
+    near to its cycle, of weight 0 before.
+
+    Of the `true` motion (T,) those lines are kept that stand above what all of them leave of it.
+    """
+    (spring,) = scene.all(Spring)
+    (dashpot,) = scene.all(Dashpot)
+    (drive,) = drives_of(scene)
+    mass = float(scene.bodies.mass[0])
+    w0 = float(np.sqrt(spring.stiffness / mass))
+    mu = -dashpot.damping / mass
+    is_settled = t >= FADED / mu
+    settled = t[is_settled]
+    if len(settled) < FEWEST:
+        return None
+    # The free cycle, to second order in mu.
+    cycle = w0 * (1 - (mu / w0) ** 2 / 16)
+    if true is not None:
+        cycle = cycle_frequency(settled, true[is_settled], cycle, drive, CYCLE_ORDER)
+    lines = cycle_lines(cycle, drive, CYCLE_ORDER)
+    rows = np.zeros((len(lines), len(t)), np.complex128)
+    of_settled = line_map(settled, lines, np.zeros((0, len(settled))))
+    if of_settled is None:
+        return None
+    rows[:, is_settled] = of_settled
+    found = _told_apart(lines, rows)
+    if found is None or true is None:
+        return found
+    return _standing_out(found, settled, true[is_settled], of_settled)
+
+
+def _standing_out(found: Lines, t: Array, x: Array, rows: Complex) -> Lines:
+    """The lines whose amplitude is above what all of them leave of x (T,) at t (T,) [s], which
+    `rows` (K, T) map.
+    """
+    amplitudes = rows @ x
+    explained = sum(
+        np.real(c * np.exp(1j * line.frequency * t))
+        for c, line in zip(amplitudes, found.lines, strict=True)
+    )
+    left = float(np.max(np.abs(x - explained)))
+    kept = np.flatnonzero(np.abs(amplitudes) > left)
+    return Lines(tuple(found.lines[k] for k in kept), found.rows[kept])
 
 
 def _rounding(subject: Subject, truth: SampledTruth, found: Lines) -> Array:

@@ -115,7 +115,8 @@ class Figure:
 
     def digits_of(self, number: str) -> int:
         """How many significant digits of a number are shown: `digits`, but fewest of an error."""
-        if "standard error" in number or abs(self.numbers[number]) < ROUND_OFF:
+        is_error = "standard error" in number or "its error" in number
+        if is_error or abs(self.numbers[number]) < ROUND_OFF:
             return FEWEST_DIGITS
         return self.digits
 

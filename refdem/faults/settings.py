@@ -213,6 +213,15 @@ MIXING: Rows = (
 """A damped spring with a square under two drives, for so long that their sums and differences are
 told apart.
 """
+TRIPLING: Rows = (
+    ("beta", between(0.25, 0.5, 64)),
+    ("delta", "1/4"),
+    ("f0", between(0.375, 0.5, 64)),
+    ("drive", "1/2"),
+    ("x0", signed(0.125, 0.25)),
+    *lasting("32", "64"),
+)
+"""A damped spring with a cube under a drive, for so long that its third harmonic is told apart."""
 STEEP: Rows = (
     ("mass", between(0.5, 2)),
     ("stiffness", between(0.5, 2)),
@@ -227,6 +236,13 @@ CYCLE: Rows = (
     *lasting("6", "24"),
 )
 """Van der Pol's oscillator on the way to its cycle."""
+CYCLE_AND_DRIVE: Rows = (
+    ("mu", "1/5"),
+    ("p", between(0.0625, 0.09375, 256)),
+    ("x0", "2"),
+    *lasting("128", "256"),
+)
+"""Van der Pol's oscillator on its cycle, under a drive that is too weak to lock it."""
 RUBBING: Rows = (
     ("stiffness", between(0.75, 2)),
     ("_stretch", between(0.75, 1.5)),
@@ -571,6 +587,8 @@ SETTINGS: Mapping[str, Setting] = {
     "lopsided": Setting("quadratic-response", LOPSIDED, SMOOTH),
     "lopsided-down": Setting("quadratic-response", LOPSIDED_DOWN, SMOOTH),
     "mixing": Setting("quadratic-response", MIXING, DAMPED),
+    "tripling": Setting("driven-duffing", TRIPLING, DAMPED),
+    "cycle-and-drive": Setting("van-der-pol", CYCLE_AND_DRIVE, DAMPED),
     "far": Setting("harmonic-oscillator", FAR, SMOOTH),
     "along-wall": Setting("impact-benchmarks", ALONG_WALL, TOUCHING),
     "steep": Setting("power-oscillator", STEEP, ("euler", "verlet", "verlet-single")),

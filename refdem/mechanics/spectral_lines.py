@@ -21,6 +21,14 @@ SAME = 1e-9
 """Relative distance below which two frequencies are one line."""
 REPRODUCED = 1e-6
 """Largest error with which a map gives back lines that are told apart."""
+FARTHEST = 0.1
+"""Part of its frequency by which a drive pulls a cycle at most, as far as it is sought."""
+GOLDEN = (5**0.5 - 1) / 2
+"""Part to which one golden section cuts an interval: of two points inside, one serves again."""
+GOLDEN_SECTIONS = 30
+"""Halvings, nearly, of the place of a frequency: 30 make it a millionth of where they begin, below
+which the least of a square is lost in rounding.
+"""
 
 
 class Line(NamedTuple):
@@ -30,9 +38,11 @@ class Line(NamedTuple):
     frequency: float
 
 
-def mixed_lines(drives: Sequence[float], order: int, *, odd: bool = False) -> tuple[Line, ...]:
+def mixed_lines(
+    drives: Sequence[float], order: int, *, odd: bool = False, names: Sequence[str] = ()
+) -> tuple[Line, ...]:
     """The lines of a polynomial of the given order in cosines of the `drives` [rad/s]: the shift,
-    and sums and differences of at most `order` drives.
+    and sums and differences of at most `order` drives, which are w1, w2 ... or have `names`.
 
     (A cos w1 t + B cos w2 t)^2 has lines at 0, 2 w1, 2 w2, w1 + w2 and |w1 - w2| (1.123). A
     polynomial of `odd` powers has those of an odd number of drives. The shift is always among them,
@@ -52,15 +62,16 @@ def mixed_lines(drives: Sequence[float], order: int, *, odd: bool = False) -> tu
             abs(frequency - line.frequency) > SAME * max(*drives, frequency) for line in lines
         )
         if frequency > 0 and is_new:
-            lines.append(Line(_name(given), frequency))
+            lines.append(Line(_name(given, names), frequency))
     return tuple(lines)
 
 
-def _name(given: Sequence[int]) -> str:
+def _name(given: Sequence[int], names: Sequence[str] = ()) -> str:
     """The name of a sum of drives, each so many times: `w1+w2`, `2w2-w1`, or `2w` of one drive."""
-    names = ["w"]
-    if len(given) > 1:
-        names = [f"w{number}" for number in range(1, len(given) + 1)]
+    if not names:
+        names = ["w"]
+        if len(given) > 1:
+            names = [f"w{number}" for number in range(1, len(given) + 1)]
     terms = [(n, name) for n, name in zip(given, names, strict=True) if n]
     # What is added stands before what is taken off.
     terms.sort(key=lambda term: term[0] < 0)
@@ -120,3 +131,43 @@ def line_map(t: Array, lines: Sequence[Line], others: Array) -> Complex | None:
             complex_rows.append(rows[at].astype(np.complex128))
             at += 1
     return np.array(complex_rows)
+
+
+def cycle_lines(cycle: float, drive: float, order: int) -> tuple[Line, ...]:
+    """The lines of a cycle at w = `cycle` [rad/s] that mixes with a drive wd = `drive` [rad/s] in
+    odd powers up to `order`: 2w-wd, 3w-2wd and the others.
+    """
+    return mixed_lines((cycle, drive), order, odd=True, names=("w", "wd"))
+
+
+def cycle_frequency(t: Array, x: Array, near: float, drive: float, order: int) -> float:
+    """The frequency w [rad/s] next to `near` at which lines of a cycle at w and of a drive leave
+    least of the signal x (T,) at t (T,) [s].
+
+    A drive pulls the cycle, so that no formula has w. It is sought no farther than half way to the
+    drive, first in steps that change the phase by at most 1 rad, then by golden sections.
+    """
+
+    def left(w: float) -> float:
+        """The mean square of what no line at w explains."""
+        columns = []
+        for _, frequency in cycle_lines(w, drive, order):
+            columns += [np.cos(frequency * t), np.sin(frequency * t)]
+        fitted = np.array(columns).T
+        amplitudes = np.linalg.lstsq(fitted, x, rcond=None)[0]
+        return float(np.mean((fitted @ amplitudes - x) ** 2))
+
+    reach = min(FARTHEST * near, abs(drive - near) / 2)
+    count = 2 * int(np.ceil(reach * (t[-1] - t[0]))) + 1
+    tried = np.linspace(near - reach, near + reach, count)
+    best = int(np.argmin([left(w) for w in tried.tolist()]))
+    low = float(tried[max(best - 1, 0)])
+    high = float(tried[min(best + 1, count - 1)])
+    for _ in range(GOLDEN_SECTIONS):
+        below = high - GOLDEN * (high - low)
+        above = low + GOLDEN * (high - low)
+        if left(below) < left(above):
+            high = above
+        else:
+            low = below
+    return (low + high) / 2

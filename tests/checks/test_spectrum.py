@@ -139,6 +139,76 @@ def test_levels_that_lost_the_phase_predict_nothing() -> None:
     assert all(finding.outcome != "fail" for finding in findings)
 
 
+TRIPLED = {
+    "beta": "1/2",
+    "delta": "1/4",
+    "f0": "1/2",
+    "drive": "1/2",
+    "duration": "32",
+    "samples": "64",
+}
+CYCLE = {"x0": "2", "duration": "128", "samples": "256"}
+
+
+def test_a_cube_makes_a_third_harmonic_of_the_sign_of_harmonic_balance(judge) -> None:
+    """To first order in beta: c3 = -(beta A^3/4)/D(3w), of a line A at w (1.115), of a start on
+    the steady motion, A = 3/5 - i/5 without the cube.
+    """
+    steady = {**TRIPLED, "beta": "1/1000", "x0": "3/5", "v0": "1/10"}
+    of = subject("driven-duffing", "second", **steady)
+    lines = certified_lines(of)
+    balanced = -(lines["w"] ** 3) / 4000 / complex(1 - 1.5**2, 2 * 0.25 * 1.5)
+    assert lines["3w"] == pytest.approx(balanced, rel=1e-3)
+    found = judge("spectrum", "driven-duffing", "fourth", **TRIPLED)
+    assert list(found) == ["shift", "w", "3w"]
+    assert all(finding.outcome == "pass" for finding in found.values())
+
+
+@pytest.mark.parametrize("method", ["exact", "first", "second", "fourth"])
+def test_the_true_motion_of_a_driven_cycle_has_the_lines_that_figure_1_25_names(
+    judge, method
+) -> None:
+    found = judge("spectrum", "van-der-pol", method, **CYCLE)
+    assert {finding.outcome for finding in found.values()} <= {"pass", "undecided"}
+    if method in ("exact", "fourth"):
+        assert {"w", "wd", "2w-wd", "3w-2wd"} <= set(found)
+        assert all(found[name].outcome == "pass" for name in ("w", "wd", "2w-wd", "3w-2wd"))
+        assert "at 2w-wd = 0.8453 rad/s (amplitude 0.0445" in found["2w-wd"].sentence
+        assert "at 3w-2wd = 0.693 rad/s (amplitude 0.00107" in found["3w-2wd"].sentence
+
+
+@pytest.mark.parametrize("line", ["w", "wd", "2w-wd", "3w-2wd"])
+@pytest.mark.parametrize("factor", [-1.0, 2.0, 1.01, 1j])
+def test_a_line_of_a_driven_cycle_with_another_sign_factor_or_phase_fails_alone(
+    judge, line, factor
+) -> None:
+    of = subject("van-der-pol", "exact", **CYCLE)
+    true = of.truth.value("x")
+    lines = lines_of(of.instance.scene, of.instance.times, true)
+    (k,) = (k for k, one in enumerate(lines.lines) if one.name == line)
+    change = (factor - 1) * complex(lines.rows[k] @ true)
+
+    def fault(run, level):
+        position = np.array(run.position)
+        added = np.real(change * np.exp(1j * lines.lines[k].frequency * run.t))
+        position[:, 0, 0] += added
+        return replace(run, position=position)
+
+    found = judge("spectrum", "van-der-pol", "exact", fault=fault, **CYCLE)
+    assert {name for name, finding in found.items() if finding.outcome == "fail"} == {line}
+    assert found[line].value == pytest.approx(abs(change), rel=1e-6)
+
+
+@pytest.mark.parametrize(
+    "given",
+    [{}, {"mu": "2", "duration": "128", "samples": "256"}, {**CYCLE, "p": "0"}],
+)
+def test_a_cycle_is_not_judged_on_its_way_nor_in_relaxation_nor_without_a_drive(given) -> None:
+    instance = discovery.case("van-der-pol").at(**given)
+    of = replace(subject("van-der-pol", "exact", **CYCLE), instance=instance, truth=None)
+    assert CHECK.applies(of) is not None
+
+
 @pytest.mark.parametrize(
     "elements",
     [

@@ -116,6 +116,14 @@ def test_van_der_pol_has_its_amplitude_and_its_lines():
     assert figure("1.25").numbers["amplitude of the free cycle [m]"] == pytest.approx(
         2.00041, abs=2e-5
     )
+    # 1 - mu^2/16 + 17 mu^4/3072 of the free cycle; the driven ones by fits of all lines.
+    for force, frequency in (("0", 0.9975088542), ("1/25", 0.99766935), ("2/5", 1.013716)):
+        name = f"highest line, p = {force}"
+        error = figure("1.25").numbers[f"{name}: its error [rad/s]"]
+        assert error < 2e-6
+        assert figure("1.25").numbers[f"{name} [rad/s]"] == pytest.approx(
+            frequency, abs=max(5 * error, 5e-9)
+        )
     spectrum = panels[5].series[0]
     for line in (1.15, 0.85, 0.70):
         near = np.abs(spectrum.x - line) < 0.02

@@ -102,3 +102,13 @@ def test_without_a_drive_the_balanced_amplitude_is_that_of_free_oscillations():
     assert response.balanced_frequency(
         np.array(response.balanced_amplitude(1.2, 1.0, 3.0, 0.0, 0.0)), 1.0, 3.0
     ) == pytest.approx(1.2)
+
+
+def test_the_error_of_a_frequency_covers_what_another_line_leaks_into_it():
+    t = np.arange(10000) * 0.1
+    alone, rounding = spectrum.frequency_with_error(t, np.cos(1.013 * t + 1), 1.0125)
+    assert alone == pytest.approx(1.013, abs=1e-9)
+    assert rounding < 1e-9
+    with_another = np.cos(1.013 * t + 1) + 0.5 * np.cos(1.15 * t)
+    found, error = spectrum.frequency_with_error(t, with_another, 1.0125)
+    assert abs(found - 1.013) < error < 1e-5

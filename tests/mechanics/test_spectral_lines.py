@@ -3,7 +3,14 @@
 import numpy as np
 import pytest
 
-from refdem.mechanics.spectral_lines import Line, free_motions, line_map, mixed_lines
+from refdem.mechanics.spectral_lines import (
+    Line,
+    cycle_frequency,
+    cycle_lines,
+    free_motions,
+    line_map,
+    mixed_lines,
+)
 
 
 def test_a_square_makes_a_shift_doubles_sums_and_differences() -> None:
@@ -76,3 +83,26 @@ def test_free_motions_solve_the_equation_in_every_regime(delta: float) -> None:
 )
 def test_lines_that_the_samples_do_not_tell_apart_have_no_map(t, drives) -> None:
     assert line_map(t, mixed_lines(drives, 2), free_motions(t, 1.0, 0.0)) is None
+
+
+def test_a_cycle_and_a_drive_are_named_as_in_the_source() -> None:
+    found = {line.name: line.frequency for line in cycle_lines(1.0, 1.15, 5)}
+    assert found["w"] == 1.0
+    assert found["wd"] == 1.15
+    assert found["2w-wd"] == pytest.approx(0.85)
+    assert found["3w-2wd"] == pytest.approx(0.7)
+    assert not set(found) & {"2w", "w+wd", "wd-w"}
+
+
+@pytest.mark.parametrize("pulled", [-0.06, 0.0, 0.014, 0.07])
+def test_the_frequency_of_a_cycle_is_found_beside_that_of_the_drive(pulled) -> None:
+    t = 45 + np.arange(180) * 0.4
+    w = 1.0 + pulled
+    x = 2 * np.cos(w * t) + 0.1 * np.cos(1.15 * t + 1) + 0.05 * np.sin((2 * w - 1.15) * t)
+    x += 0.01 * np.cos(3 * w * t)
+    assert cycle_frequency(t, x, 1.0, 1.15, 5) == pytest.approx(w, abs=1e-7)
+
+
+def test_a_drive_at_the_frequency_of_a_cycle_leaves_it_where_it_is() -> None:
+    t = np.arange(100) * 0.4
+    assert cycle_frequency(t, np.cos(t), 1.0, 1.0, 3) == 1.0

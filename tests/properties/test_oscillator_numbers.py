@@ -9,6 +9,7 @@ from refdem.core import discovery
 from refdem.core.problem import Motion, Request
 from refdem.engines.reference import ENGINE
 from refdem.mechanics import oscillation, response, spectrum
+from refdem.truth.sampled import sampled
 
 
 def moved(case, times, **given):
@@ -155,6 +156,29 @@ def test_sweeps_up_and_down_differ_above_the_fold(delta, lowest):
     assert found is not None
     assert found[0] == pytest.approx(lowest, abs=0.03)
     assert found[1] == (1.88 if delta < 0.2 else pytest.approx(1.64, abs=0.03))
+
+
+def certified_amplitude(drive, x0):
+    """The largest certified |x| in the last quarter of 96 s, by when exp(-delta t) is 1e-4."""
+    given = {"drive": drive, "x0": x0, "duration": "96", "samples": "384"}
+    instance = discovery.case("driven-duffing").at(**given)
+    x = sampled(instance.truth(), instance.times.tolist()).value("x")
+    return float(np.abs(x[288:]).max())
+
+
+def test_certified_motions_settle_on_two_amplitudes_above_the_fold_and_on_one_below():
+    """The fold is at 1.6153; at 9/5 the three roots S of (1.120) are those of a cubic."""
+    detuning = 1 - 1.8**2
+    cubic = 0.75 * 0.4
+    roots = np.roots(
+        [cubic**2, 2 * cubic * detuning, detuning**2 + (0.2 * 1.8) ** 2, -(1.5**2)]
+    ).real
+    low, _, high = np.sqrt(np.sort(roots))
+    assert certified_amplitude("9/5", "3") == pytest.approx(high, rel=0.05)
+    assert certified_amplitude("9/5", "0") == pytest.approx(low, rel=0.02)
+    assert certified_amplitude("3/2", "3") == pytest.approx(
+        certified_amplitude("3/2", "0"), rel=1e-3
+    )
 
 
 def test_with_much_damping_there_is_no_hysteresis():

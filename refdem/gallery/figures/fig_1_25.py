@@ -6,7 +6,7 @@ import numpy as np
 
 from refdem.core.figure import Axis, Figure, Panel, Series
 from refdem.gallery.runs import Array, ObservedRun, observed
-from refdem.mechanics.spectrum import spectrum
+from refdem.mechanics.spectrum import frequency_with_error, spectrum
 
 FORCES = ("0", "1/25", "2/5")
 DURATION = 1050
@@ -27,20 +27,27 @@ def figure() -> Figure:
     numbers = {}
     for ink, force in enumerate(FORCES):
         run = observed("van-der-pol", p=force, x0="1/2", v0=0, duration=DURATION, samples=SAMPLES)
-        frequency, height = spectrum(run.t[SETTLED:], run["x"][SETTLED:])
+        t = run.t[SETTLED:]
+        x = run["x"][SETTLED:]
+        frequency, height = spectrum(t, x)
         panels += [
             motion(run, force, ink),
             cycle(run, ink),
             lines(frequency, height, ink),
         ]
-        numbers[f"highest line, p = {force} [rad/s]"] = float(frequency[np.argmax(height)])
+        # The highest bin is next to the line, whose frequency is told by its phase.
+        highest = float(frequency[np.argmax(height)])
+        cycle_frequency, error = frequency_with_error(t, x, highest)
+        numbers[f"highest line, p = {force} [rad/s]"] = cycle_frequency
+        numbers[f"highest line, p = {force}: its error [rad/s]"] = error
         if force == "0":
-            numbers["amplitude of the free cycle [m]"] = float(np.abs(run["x"][SETTLED:]).max())
+            numbers["amplitude of the free cycle [m]"] = float(np.abs(x).max())
     caption = (
         "mu = 0.2, drive 1.15 rad/s. From the top: no force, a weak one, a strong one. The weak"
         " force adds lines at the drive, at 2 w - 1.15 = 0.85 and at 3 w - 2.30 = 0.7; the strong"
         " one more of them. Grey is left out of the spectra (Hann window, t = 45 s to 1050 s), so"
-        " that lines stand as high as the resolution allows."
+        " that lines stand as high as the resolution allows. The frequency of the highest is that"
+        " at which its phase stays; its error, the change of it without a quarter of the record."
     )
     title = "Van der Pol oscillator"
     return Figure(
@@ -50,7 +57,7 @@ def figure() -> Figure:
         panels=tuple(panels),
         columns=3,
         numbers=numbers,
-        digits=5,
+        digits=6,
     )
 
 
