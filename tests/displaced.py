@@ -52,7 +52,7 @@ def everything(truth: Any) -> Any:
     """The same truth to DIGITS digits, with the quantities that it does not report."""
     other = copy(truth.refined(DIGITS))
     if getattr(other, "reported", ()):
-        other.reported = ()
+        vars(other)["reported"] = ()
     return other
 
 

@@ -3,7 +3,7 @@ start is displaced.
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from fractions import Fraction
 from typing import Any
 
@@ -87,4 +87,4 @@ def displaced_cluster(truth: RigidCluster, by: Sequence[Fraction]) -> RigidClust
     places = [exactly_turned(place, by[:3]) for place in truth.places]
     faster = [w + part * rate for w, part in zip(truth.omega, by[3:], strict=True)]
     omega = exactly_turned(faster, by[:3])
-    return RigidCluster(truth.masses, places, omega, truth.scale)
+    return replace(truth, places=places, omega=omega)

@@ -28,6 +28,8 @@ write the decimals of larger numbers, and a fraction such as exp(-1e60), a dampe
 its start, would take all memory.
 """
 
+CONSTRUCTORS = ("__init__", "__post_init__")
+
 Parameters = ParamSpec("Parameters")
 Result = TypeVar("Result")
 
@@ -60,7 +62,7 @@ class Guarded:
     def __init_subclass__(cls, **named: Any) -> None:
         super().__init_subclass__(**named)
         for name, member in list(vars(cls).items()):
-            is_public = name == "__init__" or not name.startswith("_")
+            is_public = name in CONSTRUCTORS or not name.startswith("_")
             if is_public and isfunction(member):
                 setattr(cls, name, exclusive(member))
 

@@ -10,10 +10,10 @@ The classes here are abstract; their families are final.
 
 from abc import abstractmethod
 from collections.abc import Callable
-from copy import copy
+from dataclasses import dataclass, field, replace
 from fractions import Fraction
-from functools import cached_property, wraps
-from typing import Any, Protocol, Self, TypeVar
+from functools import wraps
+from typing import Any, ClassVar, Protocol, Self, TypeVar
 
 from flint import arb, ctx
 
@@ -34,6 +34,8 @@ class Remembers(Protocol):
     def kept(self) -> dict[Any, Any]: ...
 
 
+Displaced = Callable[[Any, int, Fraction], Any]
+"""The method `displaced` of a closed form."""
 Owner = TypeVar("Owner", bound=Remembers)
 Kept = TypeVar("Kept")
 
@@ -54,18 +56,24 @@ def per_precision(method: Callable[[Owner], Kept]) -> Callable[[Owner], Kept]:
     return evaluated_once
 
 
+@dataclass(frozen=True)
 class ClosedForm(Guarded, Truth):
-    """A truth that is given by a formula.
+    """A truth that is given by a formula, as a record of exact numbers.
 
-    `refiner` proves values and has their scales and digits; `proof_of_s` proves S. `state` names,
-    for each coordinate of the start, the quantity in whose scale that coordinate is displaced.
-    `reported` names the quantities that `at` returns; empty for all.
+    `refiner` proves values and has their scales and digits; `proof_of_s` proves S. `reported` names
+    the quantities that `at` returns; empty for all. `kept` has results that are kept, by what they
+    depend on besides the record.
     """
 
     refiner: Refiner
-    proof_of_s: Sensitivity = Sensitivity()
-    state: tuple[str, ...]
-    reported: tuple[str, ...] = ()
+    kept: dict[Any, Any] = field(default_factory=dict, init=False, compare=False, repr=False)
+    reported: ClassVar[tuple[str, ...]] = ()
+    proof_of_s = Sensitivity()
+
+    @property
+    @abstractmethod
+    def state(self) -> tuple[str, ...]:
+        """For each coordinate of the start, the quantity in whose scale it is displaced."""
 
     @abstractmethod
     def evaluate(self, t: arb) -> dict[str, arb]:
@@ -75,7 +83,7 @@ class ClosedForm(Guarded, Truth):
         """
 
     @abstractmethod
-    def displaced(self, axis: int, amount: Fraction) -> Self:
+    def displaced(self, axis: int, amount: Fraction, /) -> Self:
         """The motion from a start whose coordinate `axis` is larger by exactly `amount` [its
         unit].
         """
@@ -90,11 +98,6 @@ class ClosedForm(Guarded, Truth):
         """The scalars at the current precision."""
         return {}
 
-    @cached_property
-    def kept(self) -> dict[Any, Any]:
-        """Results that are kept, by what they depend on besides the start."""
-        return {}
-
     @property
     def scale(self) -> dict[str, Fraction]:
         """The size of each quantity, against which its error counts."""
@@ -107,10 +110,8 @@ class ClosedForm(Guarded, Truth):
 
     def refined(self, digits: int) -> Self:
         """This truth with radii of at most 10^-digits; results that are kept serve both."""
-        # Makes the dictionary now, so that the copy shares it.
-        _ = self.kept
-        other = copy(self)
-        other.refiner = self.refiner.to(digits)
+        other = replace(self, refiner=self.refiner.to(digits))
+        vars(other)["kept"] = self.kept
         return other
 
     def at(self, t: Fraction) -> dict[str, Ball]:
@@ -145,35 +146,44 @@ class ClosedForm(Guarded, Truth):
         return bound
 
 
-class OnALine:
-    """The part of closed forms that start at the place `x0` with the velocity `v0`."""
+def displaced_fields(*names: str) -> Displaced:
+    """The method `displaced` of closed forms whose start is these fields, one for each
+    coordinate.
+    """
 
-    x0: Fraction
-    v0: Fraction
-    kept: dict[Any, Any]
+    def displaced(self: Any, axis: int, amount: Fraction) -> Any:
+        """The motion from a start whose coordinate `axis` is larger by exactly `amount`."""
+        name = names[axis]
+        return replace(self, **{name: getattr(self, name) + amount})
 
-    def displaced(self, axis: int, amount: Fraction) -> Self:
-        """The motion whose x0 (axis 0) or v0 (axis 1) is larger by `amount`."""
-        other = copy(self)
-        other.kept = {}
-        if axis == 0:
-            other.x0 = self.x0 + amount
-        else:
-            other.v0 = self.v0 + amount
-        return other
+    return displaced
 
 
-class FromCoordinates:
-    """The part of closed forms whose start is the tuple `begin`, a number for each coordinate."""
+def displaced_tuple(name: str) -> Displaced:
+    """The method `displaced` of closed forms whose start is one field, a tuple with a number for
+    each coordinate.
+    """
 
-    begin: tuple[Any, ...]
-    kept: dict[Any, Any]
+    def displaced(self: Any, axis: int, amount: Fraction) -> Any:
+        """The motion from a start whose coordinate `axis` is larger by exactly `amount`."""
+        return replace(self, **{name: larger(getattr(self, name), axis, amount)})
 
-    def displaced(self, axis: int, amount: Fraction) -> Self:
-        """The motion whose start is larger by `amount` in the coordinate `axis`."""
-        begin = list(self.begin)
-        begin[axis] += amount
-        other = copy(self)
-        other.kept = {}
-        other.begin = tuple(begin)
-        return other
+    return displaced
+
+
+def displaced_part(name: str) -> Displaced:
+    """The method `displaced` of closed forms whose start is that of one field, which can be
+    displaced itself.
+    """
+
+    def displaced(self: Any, axis: int, amount: Fraction) -> Any:
+        """The motion from a start whose coordinate `axis` is larger by exactly `amount`."""
+        part = getattr(self, name).displaced(axis, amount)
+        return replace(self, **{name: part})
+
+    return displaced
+
+
+def larger(start: tuple[Any, ...], axis: int, amount: Fraction) -> tuple[Any, ...]:
+    """The coordinates of a start, of which that of `axis` is larger by exactly `amount`."""
+    return (*start[:axis], start[axis] + amount, *start[axis + 1 :])

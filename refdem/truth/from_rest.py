@@ -9,68 +9,63 @@ Hypothesis: a(amplitude) is not zero, so that the start is no equilibrium. A fam
 equilibria answers for them in its own `rates`.
 """
 
-from abc import ABC, abstractmethod
-from copy import copy
+from collections.abc import Mapping
 from fractions import Fraction
-from typing import Any, Self
+from typing import Any, Protocol, Self, runtime_checkable
 
 from flint import arb, arb_mat
 
-from refdem.truth.balls import Guarded, arb_of
+from refdem.truth.balls import arb_of
 from refdem.truth.closed_form import DISPLACEMENT
 from refdem.truth.smooth_flow import scaled_changes
 
 
-class FromRest(Guarded, ABC):
-    """A part of closed forms whose motion starts at rest at `amplitude` [m], which is not zero: the
-    displacement of the start, and the derivative of x [m] and v [m/s] by it.
-
-    `state` is (x, v).
+@runtime_checkable
+class FromRest(Protocol):
+    """A closed form whose motion starts at rest at `amplitude` [m], which is not zero; its `state`
+    is (x, v).
     """
 
-    state: tuple[str, ...]
-    amplitude: Fraction
-    kept: dict[Any, Any]
+    @property
+    def amplitude(self) -> Fraction: ...
 
-    @abstractmethod
+    @property
+    def state(self) -> tuple[str, ...]: ...
+
+    @property
+    def scale(self) -> Mapping[str, Fraction]: ...
+
+    @property
+    def kept(self) -> dict[Any, Any]: ...
+
+    def displaced(self, axis: int, amount: Fraction, /) -> Self: ...
+
     def evaluate(self, t: arb) -> dict[str, arb]:
         """The quantities x [m] and v [m/s] at t."""
 
-    @abstractmethod
     def acceleration(self, x: arb) -> arb:
         """The acceleration a(x) [m/s^2] at position x."""
 
-    def displaced(self, axis: int, amount: Fraction) -> Self:
-        """The motion from a neighbouring amplitude; ValueError for a start that is not at rest."""
-        if axis != 0:
-            raise ValueError(
-                "a start that moves is no start from rest; its effect follows from the rates"
-            )
-        other = copy(self)
-        other.kept = {}
-        other.amplitude = self.amplitude + amount
-        return other
-
-    @abstractmethod
     def rates(self, t: Fraction) -> tuple[arb, arb]:
         """d(x, v)(t)/d v(0) [s, 1]."""
 
-    def rates_of_the_motion(self, t: Fraction) -> tuple[arb, arb]:
-        """`rates` where the start is no equilibrium: (v(t), a(x(t)))/a(amplitude)."""
-        state = self.evaluate(arb_of(t))
-        first = self.acceleration(arb_of(self.amplitude))
-        return state["v"] / first, self.acceleration(state["x"]) / first
 
-    def jacobian(self, t: Fraction) -> arb_mat:
-        """The derivative (2, 2) of x and v at t by those at the start, all in scales: columns by
-        amplitude and by speed.
-        """
-        form: Any = self
-        changes = scaled_changes(form, 0, arb_of(t))
-        by_amplitude = [change / arb_of(2 * DISPLACEMENT) for change in changes]
-        scale_of_v = arb_of(form.scale["v"])
-        by_speed = [
-            rate * scale_of_v / arb_of(form.scale[name])
-            for name, rate in zip(self.state, self.rates(t), strict=True)
-        ]
-        return arb_mat([list(row) for row in zip(by_amplitude, by_speed, strict=True)])
+def rates_from_rest(form: FromRest, t: Fraction) -> tuple[arb, arb]:
+    """The `rates` where the start is no equilibrium: (v(t), a(x(t)))/a(amplitude)."""
+    state = form.evaluate(arb_of(t))
+    first = form.acceleration(arb_of(form.amplitude))
+    return state["v"] / first, form.acceleration(state["x"]) / first
+
+
+def derivative_from_rest(form: FromRest, t: Fraction) -> arb_mat:
+    """The derivative (2, 2) of x and v at t by those at the start, all in scales: columns by
+    amplitude and by speed. It is the method `jacobian` of a closed form.
+    """
+    changes = scaled_changes(form, 0, arb_of(t))
+    by_amplitude = [change / arb_of(2 * DISPLACEMENT) for change in changes]
+    scale_of_v = arb_of(form.scale["v"])
+    by_speed = [
+        rate * scale_of_v / arb_of(form.scale[name])
+        for name, rate in zip(form.state, form.rates(t), strict=True)
+    ]
+    return arb_mat([list(row) for row in zip(by_amplitude, by_speed, strict=True)])

@@ -22,8 +22,7 @@ enough P has a kink, and S is the largest one of all choices of sides.
 """
 
 from collections.abc import Iterator, Mapping, Sequence
-from copy import copy
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from fractions import Fraction
 from functools import cached_property
 from itertools import combinations, product
@@ -32,7 +31,7 @@ from typing import Any, Protocol, Self
 from flint import arb, arb_mat
 
 from refdem.truth.balls import UndecidedError, arb_of, unit_matrix
-from refdem.truth.closed_form import ClosedForm, per_precision
+from refdem.truth.closed_form import ClosedForm, larger, per_precision
 from refdem.truth.growth import Grows, Growth, Norm, Stretch, narrow, smooth
 from refdem.truth.refiner import Refiner, Size
 from refdem.truth.rigid_impact import Impact, Motion
@@ -275,6 +274,7 @@ class Family(Protocol):
         """Raises UndecidedError where impacts after the last one of the list may come before t."""
 
 
+@dataclass(frozen=True)
 class ImpactSequence(ClosedForm):
     """A motion through a list of impacts; `coordinates` are the places in the full state of the
     quantities that are reported, in their order.
@@ -282,20 +282,24 @@ class ImpactSequence(ClosedForm):
     The other coordinates keep their values: the motion is on a line, or in a plane.
     """
 
-    def __init__(
-        self,
-        scale: Mapping[str, Size],
-        impacts: Impacts,
-        coordinates: Sequence[int],
-        family: Family,
-    ) -> None:
-        self.refiner = Refiner.of(scale)
-        self.state = tuple(scale)
-        self.impacts = impacts
-        self.coordinates = list(coordinates)
-        self.family = family
-        self.method = family.method
-        self.witness = family.witness
+    impacts: Impacts
+    coordinates: Sequence[int]
+    family: Family
+    method: str
+    witness: str
+
+    @cached_property
+    def state(self) -> tuple[str, ...]:
+        """The quantities, in their order."""
+        return tuple(self.scale)
+
+    @classmethod
+    def of(
+        cls, scale: Mapping[str, Size], impacts: Impacts, coordinates: Sequence[int], family: Family
+    ) -> Self:
+        """The motion of quantities with these scales, which are proved as the family says."""
+        refiner = Refiner.of(scale)
+        return cls(refiner, impacts, coordinates, family, family.method, family.witness)
 
     @property
     def start(self) -> Sequence[Fraction]:
@@ -389,12 +393,9 @@ class ImpactSequence(ClosedForm):
         return dict(zip(self.state, told, strict=True))
 
     def displaced(self, axis: int, amount: Fraction) -> Self:
-        other = copy(self)
-        other.__dict__.pop("kept", None)
-        moved = self.coordinates[axis]
-        start = [x + amount * (i == moved) for i, x in enumerate(self.start)]
-        other.impacts = self.impacts.begun_at(start)
-        return other
+        """The motion whose quantity number `axis` is larger by `amount` at the start."""
+        start = larger(tuple(self.start), self.coordinates[axis], amount)
+        return replace(self, impacts=self.impacts.begun_at(start))
 
     def energy_lost(self, k: int) -> arb:
         """The energy lost in the impacts of moment k [J]."""

@@ -74,7 +74,7 @@ def rigid_collision(
     everybody = tuple(range(len(bodies)))
     encounter = Encounter(everybody, impact_of(bodies, law), meeting)
     impacts = ImpactList([encounter], start, gravity=None, most=1)
-    return ImpactSequence(scale, impacts, range(OF_BODY * len(bodies)), RigidCollision())
+    return ImpactSequence.of(scale, impacts, range(OF_BODY * len(bodies)), RigidCollision())
 
 
 def root(square: arb) -> arb:

@@ -1,7 +1,7 @@
 """The derivative of a smooth flow by its start, and S of a motion that solves an equation.
 
-`SmoothFlow` and `FromRest` (from_rest.py) are parts that a closed form is composed with; whatever
-has a derivative by the start, of whatever family, is `Variational`.
+A closed form takes `derivative_by_start`, or that of from_rest.py, as its method `jacobian`;
+whatever has a derivative by the start, of whatever family, is `Variational`.
 """
 
 from collections.abc import Mapping, Sequence
@@ -10,7 +10,7 @@ from typing import Any, Protocol, Self, runtime_checkable
 
 from flint import arb, arb_mat
 
-from refdem.truth.balls import Guarded, arb_of
+from refdem.truth.balls import arb_of
 from refdem.truth.closed_form import DISPLACEMENT
 from refdem.truth.energy_growth import EnergyGrowth, Line
 from refdem.truth.growth import Grows, Growth, PeriodicGrowth
@@ -43,7 +43,8 @@ class Variational(Protocol):
 class Displaceable(Protocol):
     """A closed form whose start can be displaced, as central differences need it."""
 
-    state: tuple[str, ...]
+    @property
+    def state(self) -> tuple[str, ...]: ...
 
     @property
     def scale(self) -> Mapping[str, Fraction]: ...
@@ -51,26 +52,18 @@ class Displaceable(Protocol):
     @property
     def kept(self) -> dict[Any, Any]: ...
 
-    def displaced(self, axis: int, amount: Fraction) -> Self: ...
+    def displaced(self, axis: int, amount: Fraction, /) -> Self: ...
 
     def evaluate(self, t: arb) -> dict[str, arb]: ...
 
 
-class SmoothFlow(Guarded):
-    """A closed form whose state is among its quantities (`state`), with derivatives by
-    differences.
+def derivative_by_start(form: Displaceable, t: Fraction) -> arb_mat:
+    """d quantity_i(t)/scale_i over d start_j/scale_j by central differences, with `state` as the
+    first rows: the method `jacobian` of a closed form whose state is among its quantities.
     """
-
-    state: tuple[str, ...]
-
-    def jacobian(self, t: Fraction) -> arb_mat:
-        """d quantity_i(t)/scale_i over d start_j/scale_j by central differences, with `state` as
-        the first rows.
-        """
-        form: Any = self
-        columns = [scaled_changes(form, axis, arb_of(t)) for axis in range(len(self.state))]
-        rows = [[column[i] for column in columns] for i in range(len(columns[0]))]
-        return arb_mat(rows) / arb_of(2 * DISPLACEMENT)
+    columns = [scaled_changes(form, axis, arb_of(t)) for axis in range(len(form.state))]
+    rows = [[column[i] for column in columns] for i in range(len(columns[0]))]
+    return arb_mat(rows) / arb_of(2 * DISPLACEMENT)
 
 
 def pair(form: Displaceable, axis: int) -> tuple[Any, Any]:

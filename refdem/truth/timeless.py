@@ -1,6 +1,7 @@
 """Truth without time: scalars only, as exact numbers or as balls at a rising precision."""
 
 from collections.abc import Callable, Mapping
+from dataclasses import dataclass
 from fractions import Fraction
 from typing import Self
 
@@ -9,25 +10,17 @@ from flint import arb
 from refdem.errors import NotCertifiedError
 from refdem.truth.closed_form import ClosedForm
 from refdem.truth.growth import Grows, Told
-from refdem.truth.refiner import Refiner, Size
 
 
+@dataclass(frozen=True)
 class Timeless(ClosedForm):
     """`values` gives every value at the current precision."""
 
     method = "closed form"
+    state = ()
 
-    def __init__(
-        self,
-        scale: Mapping[str, Size],
-        values: Callable[[], Mapping[str, arb]],
-        *,
-        witness: str,
-        digits: int = 40,
-    ) -> None:
-        self.refiner = Refiner.of(scale, digits=digits)
-        self.values = values
-        self.witness = witness
+    values: Callable[[], Mapping[str, arb]]
+    witness: str
 
     def constants(self) -> dict[str, arb]:
         """The values of the case, by name."""

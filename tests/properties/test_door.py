@@ -24,6 +24,7 @@ from refdem.truth.closed_forms.two_spheres import TwoSpheres
 from refdem.truth.exact import number, vector
 from refdem.truth.maps.rectangle import Rectangle
 from refdem.truth.reals import Real, pi
+from refdem.truth.refiner import Refiner
 from refdem.truth.sphere_pair import sphere_pair
 from refdem.truth.traced_field import traced
 
@@ -244,6 +245,8 @@ def test_a_case_that_hands_its_truth_a_float_is_found(monkeypatch):
         def truth(self, p):
             scale = {q.name: q.scale for q in self.quantities(p)}
             exact = {name: p[name] for name in ("mass", "gravity", "x0", "v0")}
-            return HarmonicOscillator(scale, stiffness=Fraction(p.stiffness), **exact)
+            return HarmonicOscillator(
+                refiner=Refiner.of(scale), stiffness=Fraction(p.stiffness), **exact
+            )
 
     assert len(moved_away(Rounded(), {}, monkeypatch)) > 2

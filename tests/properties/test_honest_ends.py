@@ -2,6 +2,7 @@
 was given is proved again.
 """
 
+from dataclasses import dataclass
 from fractions import Fraction
 
 import pytest
@@ -23,13 +24,11 @@ from refdem.truth.validated_flow import ValidatedFlow, never
 from tests.truth.events.systems import flow, swinging
 
 
+@dataclass(frozen=True)
 class Torn(ClosedForm):
     """Undecided after t = 1; after t = 2 known to 0.1."""
 
     state = ("x",)
-
-    def __init__(self, scale):
-        self.refiner = Refiner.of(scale)
 
     def evaluate(self, t):
         if t > 2:
@@ -52,13 +51,13 @@ def ended(truth, t):
 
 
 def test_an_undecided_branch_is_a_separatrix_with_the_start_as_last_state():
-    error = ended(Torn({"x": 1.0}), "3/2")
+    error = ended(Torn(Refiner.of({"x": 1.0})), "3/2")
     assert (error.code, error.time) == ("separatrix", 0.0)
     assert error.state["x"].mid == 1
 
 
 def test_a_radius_that_stays_is_precision_with_its_ball():
-    error = ended(Torn({"x": 1.0}), 3)
+    error = ended(Torn(Refiner.of({"x": 1.0})), 3)
     assert (error.code, error.time) == ("precision", 3.0)
     assert Fraction(9, 100) < error.state["x"].radius < Fraction(11, 100)
 
@@ -288,7 +287,7 @@ def test_the_pace_of_a_motion_through_events_is_that_from_entry_to_entry_into_on
 
 def test_where_s_is_not_known_it_says_why_and_from_where_on():
     with pytest.raises(NotCertifiedError, match="no sensitivity") as caught:
-        Torn({"x": 1.0}).sensitivity(Fraction(3, 2))
+        Torn(Refiner.of({"x": 1.0})).sensitivity(Fraction(3, 2))
     assert (caught.value.code, caught.value.time, caught.value.state["x"].mid) == (
         "separatrix",
         0.0,

@@ -14,6 +14,7 @@ from refdem.stress.scenes import truth_here
 from refdem.stress.scenes.half_sine import HalfSine
 from refdem.stress.scenes.overlap_at_start import CASE as OVERLAP
 from refdem.stress.scenes.simultaneous import CASE as SIMULTANEOUS
+from refdem.truth.refiner import Refiner
 
 SCALE = {"overlap": 1.0, "rate": 1.0}
 
@@ -42,14 +43,15 @@ def integrated(
 @pytest.mark.parametrize("end", ["1/8", "1/2", "1", "2"])
 def test_the_half_sine_is_the_solution(start: tuple[str, str], end: str) -> None:
     exact = Fraction(start[0]), Fraction(start[1])
-    balls = HalfSine(Fraction(9), exact, SCALE).at(Fraction(end))
+    balls = HalfSine(Refiner.of(SCALE), Fraction(9), exact).at(Fraction(end))
     seen = integrated(9.0, (float(exact[0]), float(exact[1])), float(Fraction(end)))
     assert (float(balls["overlap"].mid), float(balls["rate"].mid)) == pytest.approx(seen, abs=2e-7)
 
 
 def test_the_growth_of_errors_counts_every_body() -> None:
     alone, many = (
-        HalfSine(Fraction(9), (Fraction(0), Fraction(1)), SCALE, bodies) for bodies in (1, 5)
+        HalfSine(Refiner.of(SCALE), Fraction(9), (Fraction(0), Fraction(1)), bodies)
+        for bodies in (1, 5)
     )
     assert many.sensitivity(Fraction(1)) == pytest.approx(
         5 * alone.sensitivity(Fraction(1)), rel=1e-6

@@ -20,6 +20,7 @@ from refdem.truth.body_growth import Tumbling, rotating
 from refdem.truth.closed_forms.free_rigid_body import FreeRigidBody
 from refdem.truth.closed_forms.rigid_cluster import RigidCluster
 from refdem.truth.near import exact as exact_doubles
+from refdem.truth.refiner import Refiner
 
 STEPS = 1500
 """Runge-Kutta steps of what is followed, one period or the whole time."""
@@ -116,7 +117,7 @@ def of_body(inertia: str, omega: str) -> Numbers:
     size = Fraction(float(np.linalg.norm([float(x) for x in rates]))) or Fraction(1)
     names = [f"omega{kind}.{axis}" for kind in ("_body", "") for axis in "xyz"]
     scale = dict.fromkeys(names, size) | {"attitude.w": Fraction(1)}
-    truth = FreeRigidBody(moments, rates, TILTED, scale)
+    truth = FreeRigidBody(Refiner.of(scale), moments, rates, TILTED)
     return Numbers(truth, np.diag([float(x) for x in moments]), 1.0, float(size))
 
 

@@ -1,16 +1,17 @@
 """What all closed forms share, on a harmonic motion and on starts at which balls cannot decide."""
 
 import re
+from dataclasses import FrozenInstanceError, dataclass, field
 from fractions import Fraction
 from functools import partial
 from math import cos, sin, sqrt
 
 import pytest
-from flint import arb
+from flint import arb, ctx
 
 from refdem.errors import NotCertifiedError
 from refdem.truth.balls import UndecidedError, arb_of, nearest_integer, precision, refined
-from refdem.truth.closed_form import ClosedForm, per_precision
+from refdem.truth.closed_form import ClosedForm, displaced_fields, larger, per_precision
 from refdem.truth.closed_forms.free_rigid_body import FreeRigidBody
 from refdem.truth.closed_forms.harmonic_oscillator import HarmonicOscillator
 from refdem.truth.growth import Norm, SteadyGrowth, narrow
@@ -19,21 +20,22 @@ from refdem.truth.refiner import Refiner
 from refdem.truth.sampled import sampled
 
 
+@dataclass(frozen=True)
 class Harmonic(ClosedForm):
     method = "cosine and sine"
     witness = "none"
     state = ("x", "v")
 
-    def __init__(self, x, v, scale, *, hidden=False):
-        self.refiner = Refiner.of(scale)
-        self.x = x
-        self.v = v
-        self.hidden = hidden
-        self.prepared = 0
+    x: Fraction
+    v: Fraction
+    hidden: bool = False
+    prepared: list[int] = field(default_factory=list)
+
+    displaced = displaced_fields("x", "v")
 
     @per_precision
     def start(self):
-        self.prepared += 1
+        self.prepared.append(ctx.prec)
         return arb_of(self.x), arb_of(self.v)
 
     def evaluate(self, t):
@@ -41,9 +43,6 @@ class Harmonic(ClosedForm):
             raise UndecidedError("a boundary")
         x, v = self.start()
         return {"x": x * t.cos() + v * t.sin(), "v": v * t.cos() - x * t.sin()}
-
-    def displaced(self, axis, amount):
-        return Harmonic(self.x + amount * (axis == 0), self.v + amount * (axis == 1), self.scale)
 
     @per_precision
     def growth(self):
@@ -57,7 +56,7 @@ class Harmonic(ClosedForm):
 
 
 def harmonic(**more):
-    return Harmonic(Fraction(1, 3), Fraction(1, 7), {"x": 0.5, "v": 0.25}, **more)
+    return Harmonic(Refiner.of({"x": 0.5, "v": 0.25}), Fraction(1, 3), Fraction(1, 7), **more)
 
 
 @pytest.mark.parametrize("digits", [10, 40, 60, 300])
@@ -68,7 +67,7 @@ def test_radii_fall_to_the_digits_asked_for(digits):
 
 
 def test_radii_are_held_against_the_smallest_scale():
-    small = Harmonic(Fraction(1), Fraction(0), {"x": 1e-90, "v": 1.0})
+    small = Harmonic(Refiner.of({"x": 1e-90, "v": 1.0}), Fraction(1), Fraction(0))
     assert small.at(Fraction(1))["x"].radius <= Fraction(1e-90) / 10**40
 
 
@@ -79,7 +78,7 @@ def test_sensitivity_is_the_largest_scaled_row_sum_of_the_flow_jacobian():
     assert expected <= harmonic().sensitivity(Fraction(t)) <= 1.2 * expected
     assert (
         sqrt(2)
-        <= Harmonic(Fraction(0), Fraction(0), {"x": 1.0, "v": 1.0}).sensitivity(
+        <= Harmonic(Refiner.of({"x": 1.0, "v": 1.0}), Fraction(0), Fraction(0)).sensitivity(
             Fraction(0.7853981633974483)
         )
         < 1.2 * sqrt(2)
@@ -89,7 +88,7 @@ def test_sensitivity_is_the_largest_scaled_row_sum_of_the_flow_jacobian():
 def test_work_done_at_a_precision_is_kept():
     truth = harmonic()
     truth.at(Fraction(1)), truth.at(Fraction(2))
-    assert truth.prepared == 1
+    assert len(truth.prepared) == 1
 
 
 def test_what_balls_cannot_decide_is_not_certified_and_samples_end_there():
@@ -127,6 +126,24 @@ def test_precision_is_raised_while_a_branch_is_undecided():
     assert refined(needs_1000_bits, Fraction(1), most=512) is None
 
 
+def test_a_displaced_start_keeps_nothing_of_the_first_and_a_refined_truth_keeps_all():
+    first = harmonic()
+    first.at(Fraction(1))
+    moved = first.displaced(0, Fraction(1, 6))
+    assert (moved.x, moved.v, moved.kept) == (Fraction(1, 2), first.v, {})
+    assert moved.scale == first.scale
+    assert first.refined(60).kept is first.kept
+
+
+def test_a_start_is_displaced_in_one_coordinate_of_a_tuple():
+    assert larger((Fraction(1), Fraction(2)), 1, Fraction(1, 3)) == (Fraction(1), Fraction(7, 3))
+
+
+def test_a_truth_cannot_be_altered():
+    with pytest.raises(FrozenInstanceError):
+        harmonic().x = Fraction(2)
+
+
 def test_nearest_integer_is_that_of_the_midpoint():
     with precision(64):
         assert nearest_integer(arb("-2.6", 0.3)) == -3
@@ -143,13 +160,13 @@ def test_nearest_integer_is_that_of_the_midpoint():
 def test_numbers_that_would_be_rounded_are_refused(inertia, omega, wrong):
     unit = tuple(map(Fraction, (1, 0, 0, 0)))
     with pytest.raises(TypeError, match=re.escape(wrong) + ".*expected exact numbers such as"):
-        FreeRigidBody(inertia, omega, unit, {"omega.x": 1.0})
+        FreeRigidBody(Refiner.of({"omega.x": 1.0}), inertia, omega, unit)
 
 
 def test_scales_may_be_floats_and_named_numbers_are_looked_at():
     with pytest.raises(TypeError, match="HarmonicOscillator got 1 in mass"):
         HarmonicOscillator(
-            {"x": 1.0},
+            refiner=Refiner.of({"x": 1.0}),
             mass=1,
             stiffness=Fraction(2),
             gravity=Fraction(0),
@@ -157,7 +174,7 @@ def test_scales_may_be_floats_and_named_numbers_are_looked_at():
             v0=Fraction(0),
         )
     HarmonicOscillator(
-        {"x": 1.0, "v": 0.1},
+        refiner=Refiner.of({"x": 1.0, "v": 0.1}),
         mass=Fraction(1),
         stiffness=Fraction(2),
         gravity=Fraction(0),

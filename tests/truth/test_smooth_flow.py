@@ -1,13 +1,14 @@
 """Growth of errors made on the way, against the sensitivity of a motion that is started there."""
 
+from dataclasses import replace
 from fractions import Fraction
 
 import pytest
 
-from refdem.core.discovery import case, truth_of
+from refdem.core.discovery import truth_of
 from refdem.truth.balls import precision
 from refdem.truth.closed_forms.free_rigid_body import FreeRigidBody
-from refdem.truth.closed_forms.pendulum import Pendulum
+from refdem.truth.refiner import Refiner
 from refdem.truth.sampled import sampled
 
 SPINS = [f"{name}.{a}" for name in ("omega_body", "omega") for a in "xyz"]
@@ -26,10 +27,9 @@ def grown(truth):
 )
 def test_growth_in_a_pendulum_is_that_of_one_started_on_the_way(given):
     truth = truth_of("pendulum", **given)
-    p = case("pendulum").at(**given).p
     way = truth.refined(70).at(MADE)
-    start = dict(p) | {"theta0": way["theta"].mid, "thetadot0": way["thetadot"].mid}
-    later = Pendulum(start, truth.scale).sensitivity(SEEN - MADE)
+    start = {"theta0": way["theta"].mid, "thetadot0": way["thetadot"].mid}
+    later = replace(truth, **start).sensitivity(SEEN - MADE)
     # What grows from MADE on alone is no more than S, and S is not much more than the largest of
     # what is made before and after.
     assert later <= 1.3 * grown(truth)
@@ -53,12 +53,12 @@ def test_a_pendulum_let_go_near_the_top_answers_more_to_an_error_at_the_bottom()
 def test_growth_in_a_free_body_is_that_of_one_started_on_the_way(omega):
     inertia = tuple(map(Fraction, (1, 2, 3)))
     unit = tuple(map(Fraction, (1, 0, 0, 0)))
-    scale = {**dict.fromkeys(SPINS, 2.0), "attitude.w": 0.5}
-    truth = FreeRigidBody(inertia, tuple(map(Fraction, omega)), unit, scale)
-    way = FreeRigidBody(inertia, truth.omega, unit, scale).at(MADE)
+    refiner = Refiner.of({**dict.fromkeys(SPINS, 2.0), "attitude.w": 0.5})
+    truth = FreeRigidBody(refiner, inertia, tuple(map(Fraction, omega)), unit)
+    way = FreeRigidBody(refiner, inertia, truth.omega, unit).at(MADE)
     spin = tuple(way[f"omega_body.{a}"].mid for a in "xyz")
     attitude = tuple(way[f"attitude.{a}"].mid for a in "wxyz")
-    later = FreeRigidBody(inertia, spin, attitude, scale).sensitivity(SEEN - MADE)
+    later = FreeRigidBody(refiner, inertia, spin, attitude).sensitivity(SEEN - MADE)
     assert later <= 1.3 * grown(truth)
     assert grown(truth) <= 2 * truth.sensitivity(MADE) * later
 

@@ -50,10 +50,15 @@ class HertzWall(Wall):
 
     def truth(self, v: Values, scale: Mapping[str, float]) -> Truth:
         """The closed-form truth of the member."""
-        from refdem.truth.closed_forms.impact_benchmarks.hertz_wall import HertzWallImpact
+        from refdem.truth.closed_forms.impact_benchmarks.hertz_wall import (
+            HertzWallImpact,
+            touching_sphere,
+        )
+        from refdem.truth.refiner import Refiner
 
         numbers = {
             name: getattr(v, name)
             for name in ("mass", "radius", "friction", "normal", "across", "spin")
         }
-        return HertzWallImpact(scale, stiffness=v.hertz, **numbers)
+        strike = touching_sphere(stiffness=v.hertz, **numbers)
+        return HertzWallImpact(Refiner.of(scale), strike)

@@ -65,12 +65,13 @@ class MindlinWall(HertzWall):
 
     def truth(self, v: Values, scale: Mapping[str, float]) -> Truth:
         """The certified motion, in closed form between proven switches."""
+        from refdem.truth.closed_forms.impact_benchmarks.hertz_wall import touching_sphere
         from refdem.truth.closed_forms.impact_benchmarks.mindlin_wall import MindlinWallImpact
+        from refdem.truth.refiner import Refiner
 
         numbers = {
             name: getattr(v, name)
             for name in ("mass", "radius", "friction", "normal", "across", "spin")
         }
-        return MindlinWallImpact(
-            scale, stiffness=v.hertz, stiffness_ratio=v.stiffness_ratio, **numbers
-        )
+        strike = touching_sphere(stiffness=v.hertz, **numbers)
+        return MindlinWallImpact(Refiner.of(scale), strike, v.stiffness_ratio)

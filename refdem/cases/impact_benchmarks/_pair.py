@@ -65,8 +65,10 @@ class HertzPair(Member):
     def truth(self, v: Values, scale: Mapping[str, float]) -> Truth:
         """The closed-form truth of the member."""
         from refdem.truth.closed_forms.hertz_spheres import HertzSpheres
+        from refdem.truth.refiner import Refiner
 
-        return HertzSpheres(scale, v.effective, v.hertz, v.speed)
+        begin = (Fraction(0), v.speed)
+        return HertzSpheres(Refiner.of(scale), v.effective, v.hertz, begin)
 
 
 def touching(v: Values) -> list[Body]:

@@ -153,6 +153,7 @@ class Path(Member):
     def truth(self, v: Values, scale: Mapping[str, float]) -> Truth:
         """The truth in closed form between proven switches."""
         from refdem.truth.closed_forms.impact_benchmarks.contact_path import ContactPath, Passing
+        from refdem.truth.refiner import Refiner
 
         names = ("stiffness", "tangential_stiffness", "friction")
         numbers = {name: getattr(v, name) for name in names}
@@ -165,4 +166,4 @@ class Path(Member):
             start=(-v.begin, v.off, v.speed, Fraction(0)),
             frame=self.frame,
         )
-        return ContactPath(scale, passing)
+        return ContactPath(Refiner.of(scale), passing)

@@ -48,6 +48,10 @@ class Slide(OnFloor):
     def truth(self, v: Values, scale: Mapping[str, float]) -> Truth:
         """The truth in closed form: sliding, then rolling."""
         from refdem.truth.closed_forms.impact_benchmarks.slide_to_roll import SlideToRoll
+        from refdem.truth.refiner import Refiner
 
         names = ("mass", "radius", "stiffness", "gravity", "friction", "speed")
-        return SlideToRoll(scale, **{name: getattr(v, name) for name in names})
+        numbers = {name: getattr(v, name) for name in names}
+        nothing = Fraction(0)
+        begin = (nothing, nothing, v.speed, nothing, nothing)
+        return SlideToRoll(refiner=Refiner.of(scale), **numbers, begin=begin)

@@ -2,19 +2,20 @@
 before and after.
 """
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
+from dataclasses import dataclass
 from fractions import Fraction
 from functools import partial
 
 from flint import arb
 
 from refdem.truth.balls import UndecidedError, arb_of
-from refdem.truth.closed_form import ClosedForm, per_precision
+from refdem.truth.closed_form import ClosedForm, displaced_tuple, per_precision
 from refdem.truth.growth import Grows, Growth, Norm, Stretch, Times, narrow, smooth
 from refdem.truth.line_growth import linear
-from refdem.truth.refiner import Refiner, Size
 
 
+@dataclass(frozen=True)
 class HalfSine(ClosedForm):
     """The overlap d (negative: apart) and its rate, from an exact start (d, rate) in contact or
     before it; `square` is w^2 = k/m.
@@ -27,17 +28,11 @@ class HalfSine(ClosedForm):
     witness = "Runge-Kutta integration (tests/stress)"
     state = ("overlap", "rate")
 
-    def __init__(
-        self,
-        square: Fraction,
-        start: tuple[Fraction, Fraction],
-        scale: Mapping[str, Size],
-        bodies: int = 1,
-    ) -> None:
-        self.refiner = Refiner.of(scale)
-        self.square = square
-        self.start = start
-        self.bodies = bodies
+    square: Fraction
+    start: tuple[Fraction, Fraction]
+    bodies: int = 1
+
+    displaced = displaced_tuple("start")
 
     def evaluate(self, t: arb) -> dict[str, arb]:
         """The overlap [m] and its rate [m/s] at t [s]."""
@@ -75,15 +70,6 @@ class HalfSine(ClosedForm):
         """Values of all quantities; those other than overlap and rate are 0."""
         others = {name: arb(0) for name in self.scale if name not in self.state}
         return {"overlap": overlap, "rate": rate, **others}
-
-    def displaced(self, axis: int, amount: Fraction) -> "HalfSine":
-        """The motion from a start in which component `axis` is larger by `amount`."""
-        d, rate = self.start
-        if axis == 0:
-            start = (d + amount, rate)
-        else:
-            start = (d, rate + amount)
-        return HalfSine(self.square, start, self.scale, self.bodies)
 
     @per_precision
     def growth(self) -> Grows:

@@ -73,13 +73,14 @@ class OverlapAtStart(Case):
         from fractions import Fraction
 
         from refdem.stress.scenes.half_sine import HalfSine
+        from refdem.truth.refiner import Refiner
 
         overlap = p["overlap"]
         assert isinstance(overlap, Fraction)
         # w^2 = k/m_eff = 2 k/m: the effective mass of two equal spheres is m/2.
         square = Fraction(2 * STIFFNESS) / Fraction(MASS)
         scale = {q.name: q.scale for q in self.quantities(p)}
-        return HalfSine(square, (overlap, Fraction(0)), scale)
+        return HalfSine(Refiner.of(scale), square, (overlap, Fraction(0)))
 
 
 CASE = OverlapAtStart()

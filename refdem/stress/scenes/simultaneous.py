@@ -109,11 +109,13 @@ class Simultaneous(Case):
         from fractions import Fraction
 
         from refdem.stress.scenes.half_sine import HalfSine
+        from refdem.truth.refiner import Refiner
 
         # Every pair is a contact against a sphere that stays: w^2 = k/m of the small sphere.
         start = (Fraction(0), Fraction(SPEED))
         scale = {q.name: q.scale for q in self.quantities(p)}
-        return HalfSine(Fraction(STIFFNESS) / Fraction(LIGHT), start, scale, bodies=int(p.hits) + 1)
+        square = Fraction(STIFFNESS) / Fraction(LIGHT)
+        return HalfSine(Refiner.of(scale), square, start, int(p.hits) + 1)
 
 
 def _most_deviating(values: Array) -> Array:

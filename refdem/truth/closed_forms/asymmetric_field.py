@@ -11,11 +11,9 @@ square of the velocity (`Start`).
 """
 
 from collections.abc import Iterator, Mapping
-from copy import copy
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import partial
-from typing import Self
 
 from flint import arb
 
@@ -23,12 +21,12 @@ from refdem.core.parameters import Parameters
 from refdem.core.truth import Truth
 from refdem.errors import NotCertifiedError
 from refdem.truth.balls import UndecidedError, arb_of
-from refdem.truth.closed_form import ClosedForm, per_precision
+from refdem.truth.closed_form import ClosedForm, displaced_fields, per_precision
 from refdem.truth.exact import numbers, sign_of
 from refdem.truth.growth import Grows, Growth, Norm, Stretch, narrow, smooth
 from refdem.truth.line_growth import linear
-from refdem.truth.refiner import Refiner, Size
-from refdem.truth.smooth_flow import SmoothFlow
+from refdem.truth.refiner import Refiner
+from refdem.truth.smooth_flow import derivative_by_start
 
 
 @dataclass(frozen=True)
@@ -52,7 +50,8 @@ class Phase:
     end: arb | None
 
 
-class AsymmetricField(ClosedForm, SmoothFlow):
+@dataclass(frozen=True, kw_only=True)
+class AsymmetricField(ClosedForm):
     """x [m] and v [m/s] at t >= 0; scalar: work, that of the force on a particle that crosses from
     left to right [J].
     """
@@ -61,24 +60,31 @@ class AsymmetricField(ClosedForm, SmoothFlow):
     method = "closed form phase by phase, branches by exact energies"
     witness = "Taylor integration phase by phase, energy"
 
-    def __init__(self, scale: Mapping[str, Size], exact: Mapping[str, Fraction]) -> None:
-        self.refiner = Refiner.of(scale)
-        self.exact = dict(exact)
-        self.steep = self.exact["k1"] / self.exact["mass"]
-        self.fall = self.steep * -self.exact["x1"] / self.exact["x2"]
+    mass: Fraction
+    k1: Fraction
+    x1: Fraction
+    x2: Fraction
+    x0: Fraction
+    v0: Fraction
 
-    def displaced(self, axis: int, amount: Fraction) -> Self:
-        other = copy(self)
-        name = ("x0", "v0")[axis]
-        other.kept = {}
-        other.exact = self.exact | {name: self.exact[name] + amount}
-        return other
+    displaced = displaced_fields("x0", "v0")
+    jacobian = derivative_by_start
+
+    @property
+    def steep(self) -> Fraction:
+        """The square l^2 = k1/m of the rate on the rising flank [1/s^2]."""
+        return self.k1 / self.mass
+
+    @property
+    def fall(self) -> Fraction:
+        """The square w^2 = |k2|/m of the rate on the falling flank [1/s^2]."""
+        return self.steep * -self.x1 / self.x2
 
     @per_precision
     def phases(self) -> list[Phase]:
         """All phases, the last without an end."""
-        x = self.exact["x0"]
-        v = self.exact["v0"]
+        x = self.x0
+        v = self.v0
         start = Start(x, v * v, sign_of(v))
         phases = []
         begin = arb(0)
@@ -96,8 +102,8 @@ class AsymmetricField(ClosedForm, SmoothFlow):
 
     def region(self, x: Fraction, sense: int) -> str:
         """The region in which a start lies; at an edge, the one into which it moves."""
-        x1 = self.exact["x1"]
-        x2 = self.exact["x2"]
+        x1 = self.x1
+        x2 = self.x2
         if x < x1 or (x == x1 and sense <= 0):
             return "left"
         if x < 0 or (x == 0 and sense < 0):
@@ -108,8 +114,8 @@ class AsymmetricField(ClosedForm, SmoothFlow):
 
     def end(self, region: str, start: Start) -> tuple[arb, str, Start] | None:
         """The duration [s] of a phase and the region and start of the next; None if it lasts."""
-        x1 = self.exact["x1"]
-        x2 = self.exact["x2"]
+        x1 = self.x1
+        x2 = self.x2
         speed = arb_of(start.square).sqrt()
         if region == "left":
             if start.sense > 0:
@@ -130,8 +136,8 @@ class AsymmetricField(ClosedForm, SmoothFlow):
         v^2 = v0^2 - l^2 xi0^2 > 0 there; at v = 0 it would take for ever. Else it comes to the top
         xi = h = |x1|, at exp(l t) = (h + sqrt(h^2 - 4 A B))/(2 A).
         """
-        xi = start.x - self.exact["x1"]
-        height = -self.exact["x1"]
+        xi = start.x - self.x1
+        height = -self.x1
         l_rate = arb_of(self.steep).sqrt()
         v_over_l = start.sense * arb_of(start.square).sqrt() / l_rate
         a = (arb_of(xi) + v_over_l) / 2
@@ -140,7 +146,7 @@ class AsymmetricField(ClosedForm, SmoothFlow):
         if start.sense < 0 and square_at_x1 == 0:
             return None
         if start.sense < 0 and square_at_x1 > 0:
-            next_start = Start(self.exact["x1"], square_at_x1, -1)
+            next_start = Start(self.x1, square_at_x1, -1)
             return (-b / a).log() / (2 * l_rate), "left", next_start
         square_at_top = start.square + self.steep * (height * height - xi * xi)
         # sqrt(h^2 - 4 A B) is the velocity at the top over l.
@@ -155,8 +161,8 @@ class AsymmetricField(ClosedForm, SmoothFlow):
         R^2 = eta0^2 + v0^2/w^2. Moving to the left it comes back over the top, eta = -x2, if R >
         x2; else it leaves to the right at eta = 0, the phase being 3 pi/2. At rest at x2 it stays.
         """
-        eta = start.x - self.exact["x2"]
-        width = self.exact["x2"]
+        eta = start.x - self.x2
+        width = self.x2
         w = arb_of(self.fall).sqrt()
         radius_square = eta * eta + start.square / self.fall
         if radius_square == 0:
@@ -168,7 +174,7 @@ class AsymmetricField(ClosedForm, SmoothFlow):
             return (phase_at_top - delta) / w, "rising", next_start
         if start.sense < 0 and radius_square == width * width:
             raise UndecidedError("it turns exactly where the flanks meet")
-        next_start = Start(self.exact["x2"], self.fall * radius_square, 1)
+        next_start = Start(self.x2, self.fall * radius_square, 1)
         return (3 * arb.pi() / 2 - delta) / w, "right", next_start
 
     def lag(self, eta: Fraction, start: Start) -> arb:
@@ -199,13 +205,13 @@ class AsymmetricField(ClosedForm, SmoothFlow):
         if phase.region in ("left", "right"):
             return {"x": x + v * t, "v": v}
         if phase.region == "rising":
-            zero = arb_of(self.exact["x1"])
+            zero = arb_of(self.x1)
             rate = arb_of(self.steep).sqrt()
             c = (rate * t).cosh()
             s = (rate * t).sinh()
             side = 1
         else:
-            zero = arb_of(self.exact["x2"])
+            zero = arb_of(self.x2)
             rate = arb_of(self.fall).sqrt()
             c = (rate * t).cos()
             s = (rate * t).sin()
@@ -243,11 +249,12 @@ class AsymmetricField(ClosedForm, SmoothFlow):
 
     def constants(self) -> dict[str, arb]:
         """The work -k1 x1 (x2 - x1)/2 [J] of the force from x1 to x2: the area of a triangle."""
-        x1 = self.exact["x1"]
-        x2 = self.exact["x2"]
-        return {"work": arb_of(self.exact["k1"] * -x1 * (x2 - x1) / 2)}
+        x1 = self.x1
+        x2 = self.x2
+        return {"work": arb_of(self.k1 * -x1 * (x2 - x1) / 2)}
 
 
 def truth(p: Parameters, scale: Mapping[str, float]) -> Truth:
     """The truth of case asymmetric-field."""
-    return AsymmetricField(scale, numbers(p, "mass", "k1", "x1", "x2", "x0", "v0"))
+    exact = numbers(p, "mass", "k1", "x1", "x2", "x0", "v0")
+    return AsymmetricField(refiner=Refiner.of(scale), **exact)

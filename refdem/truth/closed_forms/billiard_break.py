@@ -243,4 +243,4 @@ def truth(p: Parameters, scale: Mapping[str, Size]) -> Truth:
     coordinates = []
     for body in range(len(impacts.start) // OF_BODY):
         coordinates += [OF_BODY * body + place for place in told]
-    return ImpactSequence(scale, impacts, coordinates, Break())
+    return ImpactSequence.of(scale, impacts, coordinates, Break())

@@ -3,7 +3,7 @@ t^2/2.
 """
 
 from collections.abc import Mapping
-from copy import copy
+from dataclasses import dataclass
 from fractions import Fraction
 from functools import partial
 
@@ -12,7 +12,7 @@ from flint import arb
 from refdem.core.parameters import Parameters
 from refdem.core.truth import Truth
 from refdem.truth.balls import UndecidedError, arb_of, precision
-from refdem.truth.closed_form import ClosedForm, per_precision
+from refdem.truth.closed_form import ClosedForm, displaced_fields, per_precision
 from refdem.truth.closed_forms.newtons_first_law import Still
 from refdem.truth.exact import numbers
 from refdem.truth.growth import Grows, Norm, SteadyGrowth, narrow
@@ -25,6 +25,7 @@ met but by intent.
 """
 
 
+@dataclass(frozen=True, kw_only=True)
 class Slide(ClosedForm):
     """s [m] and v [m/s] of a block that slides from rest; the tangent of the slope is exact, or the
     angle is.
@@ -34,30 +35,15 @@ class Slide(ClosedForm):
     witness = "work of gravity and friction: v^2/2 = a s"
     state = ("s", "v")
 
-    def __init__(
-        self,
-        scale: Mapping[str, float],
-        *,
-        friction: Fraction,
-        gravity: Fraction,
-        slope: Fraction,
-        angle: Fraction | None,
-    ) -> None:
-        self.refiner = Refiner.of(scale)
-        self.friction = friction
-        self.gravity = gravity
-        self.slope = slope
-        self.angle = angle
-        self.s0 = Fraction(0)
-        self.v0 = Fraction(0)
+    friction: Fraction
+    gravity: Fraction
+    slope: Fraction
+    angle: Fraction | None
+    s0: Fraction = Fraction(0)
+    v0: Fraction = Fraction(0)
 
-    def displaced(self, axis: int, amount: Fraction) -> "Slide":
-        """The motion from a neighbouring start; friction still points uphill."""
-        other = copy(self)
-        other.kept = {}
-        other.s0 = self.s0 + amount * (axis == 0)
-        other.v0 = self.v0 + amount * (axis == 1)
-        return other
+    # Friction still points uphill from a neighbouring start.
+    displaced = displaced_fields("s0", "v0")
 
     @per_precision
     def growth(self) -> Grows:
@@ -102,5 +88,5 @@ def truth(p: Parameters, scale: Mapping[str, float]) -> Truth:
     assert angle is None or isinstance(angle, Fraction)
     given = numbers(p, "friction", "gravity", "slope")
     if slides(given["friction"], given["slope"], angle):
-        return Slide(scale, **given, angle=angle)
+        return Slide(refiner=Refiner.of(scale), **given, angle=angle)
     return Still(("s", "v"))

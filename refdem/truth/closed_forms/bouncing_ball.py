@@ -167,7 +167,7 @@ def truth(p: Parameters, scale: Mapping[str, Size]) -> Truth:
     # One bounce after the end of the run is the last one that S and samples may ask for.
     impacts = impact_list(p, count + 1)
     family = Bounces(floor_of(p), number(p, "restitution"), count)
-    return ImpactSequence(scale, impacts, PLANE_MOTION, family)
+    return ImpactSequence.of(scale, impacts, PLANE_MOTION, family)
 
 
 def bounces_of_run(p: Mapping[str, Any]) -> int:

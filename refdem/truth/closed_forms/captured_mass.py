@@ -6,18 +6,19 @@ are rational. `spin` is r0 x v0, `speed2` v0^2.
 """
 
 from collections.abc import Callable, Mapping
+from dataclasses import dataclass
 from fractions import Fraction
-from functools import partial
+from functools import cached_property, partial
 
 from flint import arb, arb_mat
 
 from refdem.core.parameters import Parameters
 from refdem.core.truth import Truth
 from refdem.truth.balls import arb_of
-from refdem.truth.closed_form import ClosedForm, per_precision
+from refdem.truth.closed_form import ClosedForm, displaced_tuple, per_precision
 from refdem.truth.exact import numbers
 from refdem.truth.growth import Grows, bounded, upper
-from refdem.truth.refiner import Refiner, Size
+from refdem.truth.refiner import Refiner
 from refdem.truth.swept_growth import Span, largest_growth
 
 RUN_UP = 2
@@ -25,6 +26,7 @@ RUN_UP = 2
 Start = tuple[Fraction, Fraction, Fraction, Fraction]
 
 
+@dataclass(frozen=True)
 class CapturedMass(ClosedForm):
     """x, y, vx, vy from an exact start (x, y, vx, vy) that comes nearer to the hook at the
     origin.
@@ -40,15 +42,34 @@ class CapturedMass(ClosedForm):
     )
     state = ("x", "y", "vx", "vy")
 
-    def __init__(self, mass: Fraction, start: Start, scale: Mapping[str, Size]) -> None:
-        self.refiner = Refiner.of(scale)
-        self.mass = mass
-        self.start = start
-        x, y, vx, vy = start
-        self.speed2 = vx * vx + vy * vy
-        self.caught = -(x * vx + y * vy) / self.speed2
-        self.place = (x + vx * self.caught, y + vy * self.caught)
-        self.spin = x * vy - y * vx
+    mass: Fraction
+    start: Start
+
+    displaced = displaced_tuple("start")
+
+    @cached_property
+    def speed2(self) -> Fraction:
+        """The square v0^2 of the speed [m^2/s^2]."""
+        _, _, vx, vy = self.start
+        return vx * vx + vy * vy
+
+    @cached_property
+    def caught(self) -> Fraction:
+        """The time t_c [s] of closest approach."""
+        x, y, vx, vy = self.start
+        return -(x * vx + y * vy) / self.speed2
+
+    @cached_property
+    def place(self) -> tuple[Fraction, Fraction]:
+        """The position r(t_c) [m] at closest approach."""
+        x, y, vx, vy = self.start
+        return (x + vx * self.caught, y + vy * self.caught)
+
+    @cached_property
+    def spin(self) -> Fraction:
+        """The angular momentum per mass, r0 x v0 [m^2/s]."""
+        x, y, vx, vy = self.start
+        return x * vy - y * vx
 
     def omega(self) -> arb:
         """Rate of turning [rad/s], positive from x to y: L/(m d^2), d^2 = spin^2/v^2."""
@@ -84,7 +105,9 @@ class CapturedMass(ClosedForm):
 
     @per_precision
     def growth(self) -> Grows:
-        return CaptureGrowth(self)
+        ratio = arb_of(self.scale["x"] / self.scale["vx"])
+        rate = abs(self.omega())
+        return CaptureGrowth(self, ratio, rate * ratio, upper(2 * arb.pi() / rate))
 
     def frame(self, since: arb) -> arb_mat:
         """The matrix from errors outward and along the motion, `since` [s] after closest approach,
@@ -105,14 +128,11 @@ class CapturedMass(ClosedForm):
         velocities = [[zero, zero, *row[:2]] for row in positions]
         return arb_mat(positions + velocities)
 
-    def displaced(self, axis: int, amount: Fraction) -> "CapturedMass":
-        x, y, vx, vy = (value + (amount if i == axis else 0) for i, value in enumerate(self.start))
-        return CapturedMass(self.mass, (x, y, vx, vy), self.scale)
-
     def constants(self) -> dict[str, arb]:
         return {"omega": self.omega(), "inertia": arb_of(self.mass * self.spin**2 / self.speed2)}
 
 
+@dataclass(frozen=True)
 class CaptureGrowth:
     """S of (x, y, vx, vy), by branch and bound over the times at which errors are made
     (swept_growth.py).
@@ -125,13 +145,15 @@ class CaptureGrowth:
     Of the times s at which the mass is at one place F(s) is the same, and C is affine: the sum of
     absolute values of a row of answers is convex in s, and largest for the first or the last of
     them. These lie in the first and in the last turn.
+
+    `ratio` is the scale of the position over that of the velocity [s], `scaled_omega` the rate of
+    turning in scales, `turn` the time of a whole turn [s], or a little more.
     """
 
-    def __init__(self, motion: CapturedMass) -> None:
-        self.motion = motion
-        self.ratio = arb_of(motion.scale["x"] / motion.scale["vx"])
-        self.scaled_omega = abs(motion.omega()) * self.ratio
-        self.turn = upper(2 * arb.pi() / abs(motion.omega()))
+    motion: CapturedMass
+    ratio: arb
+    scaled_omega: arb
+    turn: Fraction
 
     def at(self, t: Fraction) -> float:
         """The bound S(t) >= 1 on the growth of an error."""
@@ -210,4 +232,4 @@ def truth(p: Parameters, scale: Mapping[str, float]) -> Truth:
     """The truth at these parameters (mass, speed, radius)."""
     exact = numbers(p, "mass", "speed", "radius")
     start = (-RUN_UP * exact["radius"], -exact["radius"], exact["speed"], Fraction(0))
-    return CapturedMass(exact["mass"], start, scale)
+    return CapturedMass(Refiner.of(scale), exact["mass"], start)

@@ -27,10 +27,10 @@ from refdem.core.parameters import Parameters
 from refdem.core.truth import Truth
 from refdem.errors import NotCertifiedError
 from refdem.truth.balls import UndecidedError, arb_of, unit_matrix
-from refdem.truth.closed_form import ClosedForm, FromCoordinates, per_precision
+from refdem.truth.closed_form import ClosedForm, displaced_tuple, per_precision
 from refdem.truth.exact import number, vector
 from refdem.truth.growth import Grows, Growth, Norm, Stretch, between_scales, narrow, smooth
-from refdem.truth.refiner import Refiner, Size
+from refdem.truth.refiner import Refiner
 
 X, Y, VX, VY, THETA, OMEGA = range(6)
 """Where the coordinates are in the state."""
@@ -85,7 +85,8 @@ class Touch:
     impulse: arb
 
 
-class CornerImpact(FromCoordinates, ClosedForm):
+@dataclass(frozen=True)
+class CornerImpact(ClosedForm):
     """x, y [m], vx, vy [m/s], theta [rad] and omega [rad/s] of a box."""
 
     state = ("x", "y", "vx", "vy", "theta", "omega")
@@ -95,10 +96,10 @@ class CornerImpact(FromCoordinates, ClosedForm):
         " (refdem/truth/witnesses/corner_impact.py)"
     )
 
-    def __init__(self, scale: Mapping[str, Size], body: Box, begin: tuple[Fraction, ...]) -> None:
-        self.refiner = Refiner.of(scale)
-        self.body = body
-        self.begin = begin
+    body: Box
+    begin: tuple[Fraction, ...]
+
+    displaced = displaced_tuple("begin")
 
     def flown(self, state: list[arb], t: arb) -> list[arb]:
         """The state after a flight of t [s]."""
@@ -273,4 +274,4 @@ def truth(p: Parameters, scale: Mapping[str, float]) -> Truth:
     )
     vx, vy = vector(p, "velocity")
     begin = (Fraction(0), number(p, "height"), vx, vy, number(p, "angle"), Fraction(0))
-    return CornerImpact(scale, body, begin)
+    return CornerImpact(Refiner.of(scale), body, begin)

@@ -12,6 +12,7 @@ that its largest row sum is at most sqrt(1 + max(w L/V, V/(w L))^2).
 """
 
 from collections.abc import Mapping
+from dataclasses import dataclass
 from fractions import Fraction
 from math import ceil
 
@@ -21,13 +22,14 @@ from refdem.core.parameters import Parameters
 from refdem.core.truth import Truth
 from refdem.errors import NotCertifiedError
 from refdem.truth.balls import UndecidedError, arb_of
-from refdem.truth.closed_form import ClosedForm, OnALine, per_precision
+from refdem.truth.closed_form import ClosedForm, displaced_fields, per_precision
 from refdem.truth.exact import numbers
 from refdem.truth.growth import Grows, Told
 from refdem.truth.refiner import Refiner
 
 
-class CoulombOscillator(OnALine, ClosedForm):
+@dataclass(frozen=True, kw_only=True)
+class CoulombOscillator(ClosedForm):
     """x [m] and v [m/s] at t >= 0; scalars stop_time, stop_position and half_cycles (turning points
     after the start).
     """
@@ -38,22 +40,18 @@ class CoulombOscillator(OnALine, ClosedForm):
     )
     state = ("x", "v")
 
-    def __init__(
-        self,
-        scale: Mapping[str, float],
-        *,
-        mass: Fraction,
-        stiffness: Fraction,
-        friction_force: Fraction,
-        x0: Fraction,
-        v0: Fraction,
-    ) -> None:
-        self.refiner = Refiner.of(scale)
-        self.mass = mass
-        self.stiffness = stiffness
-        self.shift = friction_force / stiffness
-        self.x0 = x0
-        self.v0 = v0
+    mass: Fraction
+    stiffness: Fraction
+    friction_force: Fraction
+    x0: Fraction
+    v0: Fraction
+
+    displaced = displaced_fields("x0", "v0")
+
+    @property
+    def shift(self) -> Fraction:
+        """The stretch f/k that friction holds [m]."""
+        return self.friction_force / self.stiffness
 
     @per_precision
     def growth(self) -> Grows:
@@ -187,4 +185,5 @@ def _sign(value: Fraction | arb) -> int:
 
 def truth(p: Parameters, scale: Mapping[str, float]) -> Truth:
     """The truth at parameters mass, stiffness, friction_force, x0, v0; `scale` of x and v."""
-    return CoulombOscillator(scale, **numbers(p, "mass", "stiffness", "friction_force", "x0", "v0"))
+    exact = numbers(p, "mass", "stiffness", "friction_force", "x0", "v0")
+    return CoulombOscillator(refiner=Refiner.of(scale), **exact)

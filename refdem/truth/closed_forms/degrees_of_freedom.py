@@ -11,6 +11,7 @@ from flint import arb, fmpq, fmpq_mat
 from refdem.core.parameters import Parameters
 from refdem.core.truth import Truth
 from refdem.truth.exact import vector
+from refdem.truth.refiner import Refiner
 from refdem.truth.timeless import Timeless
 
 Point = Sequence[Fraction]
@@ -92,7 +93,7 @@ def counts(p: Parameters) -> dict[str, int]:
 def truth(p: Parameters, scale: Mapping[str, float]) -> Truth:
     """The truth at the parameter points."""
     return Timeless(
-        scale,
+        Refiner.of(scale),
         lambda: {name: arb(n) for name, n in counts(p).items()},
         witness="the chapter's counts",
     )

@@ -13,6 +13,7 @@ t)/(2 w0) instead.
 """
 
 from collections.abc import Mapping
+from dataclasses import dataclass
 from fractions import Fraction
 
 from flint import arb, arb_mat
@@ -20,35 +21,43 @@ from flint import arb, arb_mat
 from refdem.core.parameters import Parameters
 from refdem.core.truth import Truth
 from refdem.truth.balls import arb_of
-from refdem.truth.closed_form import ClosedForm, OnALine, per_precision
+from refdem.truth.closed_form import ClosedForm, displaced_fields, per_precision
 from refdem.truth.exact import numbers
 from refdem.truth.growth import Grows, Norm, SteadyGrowth, Told, narrow
 from refdem.truth.refiner import Refiner
-from refdem.truth.smooth_flow import SmoothFlow
+from refdem.truth.smooth_flow import derivative_by_start
 
 
-class DrivenOscillator(OnALine, ClosedForm, SmoothFlow):
+@dataclass(frozen=True, kw_only=True)
+class DrivenOscillator(ClosedForm):
     """x [m] and v [m/s] at t; `f0` [m/s^2] and `drive` [rad/s] are zero where nothing drives."""
 
     method = "closed form; regime and resonance decided in exact rationals"
     witness = "Taylor series of the equation in rational arithmetic"
     state = ("x", "v")
 
-    def __init__(self, p: Parameters, scale: Mapping[str, float], *, is_driven: bool) -> None:
-        self.refiner = Refiner.of(scale)
-        names = ["mass", "stiffness", "gravity", "x0", "v0", "delta"]
-        if is_driven:
-            names += ["f0", "drive"]
-        values = numbers(p, *names)
-        # w0^2, and the equilibrium c.
-        self.square = values["stiffness"] / values["mass"]
-        self.delta = values["delta"]
-        self.centre = values["gravity"] / self.square
-        self.x0 = values["x0"]
-        self.v0 = values["v0"]
-        self.f0 = values.get("f0", Fraction(0))
-        self.drive = values.get("drive", Fraction(0))
-        self.is_driven = is_driven
+    mass: Fraction
+    stiffness: Fraction
+    gravity: Fraction
+    x0: Fraction
+    v0: Fraction
+    delta: Fraction
+    f0: Fraction = Fraction(0)
+    drive: Fraction = Fraction(0)
+    is_driven: bool
+
+    displaced = displaced_fields("x0", "v0")
+    jacobian = derivative_by_start
+
+    @property
+    def square(self) -> Fraction:
+        """The square w0^2 = k/m of the angular frequency [1/s^2]."""
+        return self.stiffness / self.mass
+
+    @property
+    def centre(self) -> Fraction:
+        """The equilibrium c = m g/k [m]."""
+        return self.gravity / self.square
 
     @property
     def gap(self) -> Fraction:
@@ -161,4 +170,5 @@ def truth(p: Parameters, scale: Mapping[str, float]) -> Truth:
 
     `scale` of x and v.
     """
-    return DrivenOscillator(p, scale, is_driven=True)
+    names = ("mass", "stiffness", "gravity", "x0", "v0", "delta", "f0", "drive")
+    return DrivenOscillator(refiner=Refiner.of(scale), is_driven=True, **numbers(p, *names))

@@ -29,10 +29,10 @@ from refdem.core.parameters import Parameters
 from refdem.core.truth import Truth
 from refdem.errors import NotCertifiedError
 from refdem.truth.balls import arb_of
-from refdem.truth.closed_form import ClosedForm, per_precision
+from refdem.truth.closed_form import ClosedForm, displaced_fields, per_precision
 from refdem.truth.energy_growth import Line, Neighbour
 from refdem.truth.exact import numbers
-from refdem.truth.from_rest import FromRest
+from refdem.truth.from_rest import derivative_from_rest, rates_from_rest
 from refdem.truth.growth import CLOSED_BITS, Grows
 from refdem.truth.jacobi import Jacobi
 from refdem.truth.refiner import Refiner, Sensitivity
@@ -67,7 +67,8 @@ class DuffingMotion:
     family: Family | None = None
 
 
-class Duffing(FromRest, ClosedForm):
+@dataclass(frozen=True, kw_only=True)
+class Duffing(ClosedForm):
     """x [m] and v [m/s] at t; scalar period [s] where there is one."""
 
     state = ("x", "v")
@@ -78,12 +79,12 @@ class Duffing(FromRest, ClosedForm):
     witness = "validated integration of the equation of motion; energy; the period by quadrature"
     proof_of_s = Sensitivity(CLOSED_BITS)
 
-    def __init__(self, p: Parameters, scale: Mapping[str, float]) -> None:
-        self.refiner = Refiner.of(scale)
-        values = numbers(p, "alpha", "beta", "amplitude")
-        self.alpha = values["alpha"]
-        self.beta = values["beta"]
-        self.amplitude = values["amplitude"]
+    alpha: Fraction
+    beta: Fraction
+    amplitude: Fraction
+
+    displaced = displaced_fields("amplitude")
+    jacobian = derivative_from_rest
 
     def acceleration(self, x: arb) -> arb:
         return -(arb_of(self.alpha) + arb_of(self.beta) * x * x) * x
@@ -203,7 +204,7 @@ class Duffing(FromRest, ClosedForm):
         d'' = -(alpha + 3 beta A^2) d = 2 alpha d, d(0) = 0, d'(0) = 1.
         """
         if self.alpha + self.beta * self.amplitude**2 != 0:
-            return self.rates_of_the_motion(t)
+            return rates_from_rest(self, t)
         w = arb_of(2 * abs(self.alpha)).sqrt()
         u = w * arb_of(t)
         if self.alpha < 0:
@@ -356,4 +357,4 @@ def truth(p: Parameters, scale: Mapping[str, float]) -> Truth:
 
     `scale` has the sizes of x and v against which their errors count.
     """
-    return Duffing(p, scale)
+    return Duffing(refiner=Refiner.of(scale), **numbers(p, "alpha", "beta", "amplitude"))

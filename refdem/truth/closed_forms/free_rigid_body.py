@@ -5,23 +5,24 @@ the turn q(0)* q(t). Quaternions (w, x, y, z) and the matrix R lead from the bod
 in space axes, omega_body in principal axes.
 """
 
-from abc import ABC, abstractmethod
 from collections.abc import Mapping
+from dataclasses import dataclass, field
 from fractions import Fraction
-from typing import Any
+from functools import cached_property
+from typing import Any, Protocol
 
 from flint import arb, arb_mat
 
 from refdem.core.parameters import Parameters
 from refdem.core.truth import Truth
 from refdem.truth import rotation
-from refdem.truth.balls import Guarded, arb_of
+from refdem.truth.balls import arb_of
 from refdem.truth.body_growth import diagonal, steady_growth, tumbling_growth
-from refdem.truth.closed_form import DISPLACEMENT, ClosedForm, per_precision
-from refdem.truth.free_body import Exact3, FreeBody, Steady, kind
+from refdem.truth.closed_form import DISPLACEMENT, ClosedForm, displaced_tuple, per_precision
+from refdem.truth.free_body import Exact3, FreeBody, Kind, Steady, kind
 from refdem.truth.growth import CLOSED_BITS, Grows
-from refdem.truth.refiner import Refiner, Sensitivity, Size
-from refdem.truth.smooth_flow import pair
+from refdem.truth.refiner import Refiner, Sensitivity
+from refdem.truth.smooth_flow import Displaceable, pair
 
 AXES = "xyz"
 WITNESS = (
@@ -34,82 +35,80 @@ ATTITUDE = tuple(f"attitude.{a}" for a in "wxyz")
 MATRIX = tuple(f"R.{a}{b}" for a in AXES for b in AXES)
 
 
-class Turning(Guarded, ABC):
-    """The part that all free bodies share: their attitude, and its derivative by the start."""
+class Turning(Displaceable, Protocol):
+    """A free body, as its attitude and the derivative of that by the start need it."""
 
-    @property
-    @abstractmethod
-    def scale(self) -> dict[str, Fraction]:
-        """The size of each quantity, against which its error counts."""
-
-    @abstractmethod
     def body(self) -> FreeBody:
         """The motion in body axes at the current precision."""
 
-    @abstractmethod
     def start(self) -> list[arb]:
         """The unit attitude at t = 0."""
 
-    @abstractmethod
     def spin(self, t: arb) -> list[arb]:
         """omega_body (3) [rad/s] at the time t."""
 
     def turned(self, t: arb) -> list[arb]:
         """The attitude at t, of either sign."""
-        if t.is_zero():
-            return self.start()
-        return rotation.times(self.start(), self.body().turn(t))
-
-    def jacobian(self, t: Fraction) -> arb_mat:
-        """The derivative of the motion at t by its start, in scales: 9 rows, 6 columns.
-
-        Rows are a small turn in space (3), omega_body (3) and omega (3) at t; columns are a small
-        turn in space (3) and omega_body (3) at the start. The columns of the turn are exact, those
-        of omega_body are central differences.
-        """
-        columns = [self.scaled_changes(axis, arb_of(t)) for axis in range(3)]
-        rows = [[column[i] for column in columns] for i in range(9)]
-        # Central differences of motions displaced by +-DISPLACEMENT scales of omega_body.
-        by_omega = (arb_mat(rows) / arb_of(2 * DISPLACEMENT)).table()
-        x, y, z = rotation.rotated(self.turned(arb_of(t)), self.spin(arb_of(t)))
-        # A start turned by a small d phi turns all of the motion: d omega = d phi x omega, where a
-        # turn counts in the scale of the attitude and omega in its own.
-        ratio = arb_of(self.scale["attitude.w"] / self.scale["omega.x"])
-        zero = arb(0)
-        # The matrix of d phi -> d phi x omega.
-        cross_omega = [[zero, z, -y], [-z, zero, x], [y, -x, zero]]
-        turn_by_turn = [[arb(i == k) for k in range(3)] for i in range(3)]
-        omega_body_by_turn = [[zero] * 3] * 3
-        omega_by_turn = [[ratio * v for v in row] for row in cross_omega]
-        by_turn = turn_by_turn + omega_body_by_turn + omega_by_turn
-        return arb_mat([a + b for a, b in zip(by_turn, by_omega, strict=True)])
-
-    def scaled_changes(self, axis: int, t: arb) -> list[arb]:
-        """Differences at t of turn, omega_body and omega (9), each in its scale.
-
-        They are those of the two motions whose omega_body at the start is displaced along `axis`,
-        to both sides. To first order the turn between their attitudes q+ and q- is twice the vector
-        part of q+ q-*.
-        """
-        form: Any = self
-        plus, minus = pair(form, axis)
-        q_plus = plus.turned(t)
-        q_minus = minus.turned(t)
-        body_plus = plus.spin(t)
-        body_minus = minus.spin(t)
-        space_plus = rotation.rotated(q_plus, body_plus)
-        space_minus = rotation.rotated(q_minus, body_minus)
-        turn = rotation.times(q_plus, rotation.conjugate(q_minus))
-        scaled = [2 * x / arb_of(self.scale["attitude.w"]) for x in turn[1:]]
-        omegas_plus = [*body_plus, *space_plus]
-        omegas_minus = [*body_minus, *space_minus]
-        names = (*BODY_OMEGA, *OMEGA)
-        for name, plus_value, minus_value in zip(names, omegas_plus, omegas_minus, strict=True):
-            scaled.append((plus_value - minus_value) / arb_of(self.scale[name]))
-        return scaled
 
 
-class FreeRigidBody(ClosedForm, Turning):
+def attitude_at(form: Turning, t: arb) -> list[arb]:
+    """The attitude at t, of either sign: the method `turned` of a free body."""
+    if t.is_zero():
+        return form.start()
+    return rotation.times(form.start(), form.body().turn(t))
+
+
+def derivative_of_turning(form: Turning, t: Fraction) -> arb_mat:
+    """The derivative of the motion at t by its start, in scales: 9 rows, 6 columns.
+
+    Rows are a small turn in space (3), omega_body (3) and omega (3) at t; columns are a small
+    turn in space (3) and omega_body (3) at the start. The columns of the turn are exact, those
+    of omega_body are central differences. It is the method `jacobian` of a free body.
+    """
+    columns = [scaled_changes(form, axis, arb_of(t)) for axis in range(3)]
+    rows = [[column[i] for column in columns] for i in range(9)]
+    # Central differences of motions displaced by +-DISPLACEMENT scales of omega_body.
+    by_omega = (arb_mat(rows) / arb_of(2 * DISPLACEMENT)).table()
+    x, y, z = rotation.rotated(form.turned(arb_of(t)), form.spin(arb_of(t)))
+    # A start turned by a small d phi turns all of the motion: d omega = d phi x omega, where a
+    # turn counts in the scale of the attitude and omega in its own.
+    ratio = arb_of(form.scale["attitude.w"] / form.scale["omega.x"])
+    zero = arb(0)
+    # The matrix of d phi -> d phi x omega.
+    cross_omega = [[zero, z, -y], [-z, zero, x], [y, -x, zero]]
+    turn_by_turn = [[arb(i == k) for k in range(3)] for i in range(3)]
+    omega_body_by_turn = [[zero] * 3] * 3
+    omega_by_turn = [[ratio * v for v in row] for row in cross_omega]
+    by_turn = turn_by_turn + omega_body_by_turn + omega_by_turn
+    return arb_mat([a + b for a, b in zip(by_turn, by_omega, strict=True)])
+
+
+def scaled_changes(form: Turning, axis: int, t: arb) -> list[arb]:
+    """Differences at t of turn, omega_body and omega (9), each in its scale.
+
+    They are those of the two motions whose omega_body at the start is displaced along `axis`,
+    to both sides. To first order the turn between their attitudes q+ and q- is twice the vector
+    part of q+ q-*.
+    """
+    plus, minus = pair(form, axis)
+    q_plus = plus.turned(t)
+    q_minus = minus.turned(t)
+    body_plus = plus.spin(t)
+    body_minus = minus.spin(t)
+    space_plus = rotation.rotated(q_plus, body_plus)
+    space_minus = rotation.rotated(q_minus, body_minus)
+    turn = rotation.times(q_plus, rotation.conjugate(q_minus))
+    scaled = [2 * x / arb_of(form.scale["attitude.w"]) for x in turn[1:]]
+    omegas_plus = [*body_plus, *space_plus]
+    omegas_minus = [*body_minus, *space_minus]
+    names = (*BODY_OMEGA, *OMEGA)
+    for name, plus_value, minus_value in zip(names, omegas_plus, omegas_minus, strict=True):
+        scaled.append((plus_value - minus_value) / arb_of(form.scale[name]))
+    return scaled
+
+
+@dataclass(frozen=True)
+class FreeRigidBody(ClosedForm):
     """The truth of a free body: omega_body, omega [rad/s], attitude (w >= 0) and the matrix R.
 
     Inertia [kg m^2, principal], omega [rad/s, body axes] and attitude at the start are exact; the
@@ -124,22 +123,23 @@ class FreeRigidBody(ClosedForm, Turning):
     state = BODY_OMEGA
     proof_of_s = Sensitivity(CLOSED_BITS)
 
-    def __init__(
-        self,
-        inertia: Exact3,
-        omega: Exact3,
-        attitude: tuple[Fraction, ...],
-        scale: Mapping[str, Size],
-        *,
-        counts_flips: bool = False,
-    ) -> None:
-        self.refiner = Refiner.of(scale)
-        self.inertia = inertia
-        self.omega = omega
-        self.attitude = attitude
-        self.counts_flips = counts_flips
-        self.kind = kind(inertia, omega)
-        self.method = f"closed form in Arb balls; {self.kind.method}"
+    inertia: Exact3
+    omega: Exact3
+    attitude: tuple[Fraction, ...]
+    counts_flips: bool = False
+    method: str = field(init=False)
+
+    displaced = displaced_tuple("omega")
+    jacobian = derivative_of_turning
+    turned = attitude_at
+
+    @cached_property
+    def kind(self) -> Kind:
+        """The closed form of the motion, which the exact start decides."""
+        return kind(self.inertia, self.omega)
+
+    def __post_init__(self) -> None:
+        vars(self)["method"] = f"closed form in Arb balls; {self.kind.method}"
 
     @per_precision
     def body(self) -> FreeBody:
@@ -168,13 +168,6 @@ class FreeRigidBody(ClosedForm, Turning):
         values = [*omega_body, *omega, *q, *r[0], *r[1], *r[2]]
         return dict(zip(names, values, strict=True))
 
-    def displaced(self, axis: int, amount: Fraction) -> "FreeRigidBody":
-        """The body whose omega_body at the start is larger by `amount` [rad/s] along `axis`."""
-        x, y, z = (w + (amount if i == axis else 0) for i, w in enumerate(self.omega))
-        return FreeRigidBody(
-            self.inertia, (x, y, z), self.attitude, self.scale, counts_flips=self.counts_flips
-        )
-
     def constants(self) -> dict[str, arb]:
         """The period [s] of omega_body and the elliptic parameter, where there are any; flip_time
         [s] where flips are counted.
@@ -201,7 +194,7 @@ def truth(p: Parameters, scale: Mapping[str, float]) -> Truth:
     `scale` has the size of each quantity against which its error counts.
     """
     inertia, omega, attitude = exact_columns(p)
-    return FreeRigidBody(inertia, omega, attitude, scale)
+    return FreeRigidBody(Refiner.of(scale), inertia, omega, attitude)
 
 
 Rational3 = tuple[Fraction, Fraction, Fraction]

@@ -6,6 +6,7 @@ gravity is.
 """
 
 from collections.abc import Mapping
+from dataclasses import dataclass
 from fractions import Fraction
 
 from flint import arb, arb_mat
@@ -13,14 +14,15 @@ from flint import arb, arb_mat
 from refdem.core.parameters import Parameters
 from refdem.core.truth import Truth
 from refdem.truth.balls import arb_of
-from refdem.truth.closed_form import ClosedForm, OnALine, per_precision
+from refdem.truth.closed_form import ClosedForm, displaced_fields, per_precision
 from refdem.truth.exact import numbers
 from refdem.truth.growth import Grows, Norm, SteadyGrowth, narrow
 from refdem.truth.refiner import Refiner
-from refdem.truth.smooth_flow import SmoothFlow
+from refdem.truth.smooth_flow import derivative_by_start
 
 
-class HarmonicOscillator(OnALine, ClosedForm, SmoothFlow):
+@dataclass(frozen=True, kw_only=True)
+class HarmonicOscillator(ClosedForm):
     """x [m] and v [m/s] at t; gravity [m/s^2] acts along +x, so that x = m g/k is the
     equilibrium.
     """
@@ -29,22 +31,14 @@ class HarmonicOscillator(OnALine, ClosedForm, SmoothFlow):
     witness = "Taylor series of the equation in rational arithmetic"
     state = ("x", "v")
 
-    def __init__(
-        self,
-        scale: Mapping[str, float],
-        *,
-        mass: Fraction,
-        stiffness: Fraction,
-        gravity: Fraction,
-        x0: Fraction,
-        v0: Fraction,
-    ) -> None:
-        self.refiner = Refiner.of(scale)
-        self.mass = mass
-        self.stiffness = stiffness
-        self.gravity = gravity
-        self.x0 = x0
-        self.v0 = v0
+    mass: Fraction
+    stiffness: Fraction
+    gravity: Fraction
+    x0: Fraction
+    v0: Fraction
+
+    displaced = displaced_fields("x0", "v0")
+    jacobian = derivative_by_start
 
     def evaluate(self, t: arb) -> dict[str, arb]:
         """x = c + a cos w t + (v0/w) sin w t and v = v0 cos w t - a w sin w t, with a = x0 - c."""
@@ -78,4 +72,5 @@ class HarmonicOscillator(OnALine, ClosedForm, SmoothFlow):
 
 def truth(p: Parameters, scale: Mapping[str, float]) -> Truth:
     """The truth at parameters mass, stiffness, gravity, x0, v0; `scale` of x and v."""
-    return HarmonicOscillator(scale, **numbers(p, "mass", "stiffness", "gravity", "x0", "v0"))
+    exact = numbers(p, "mass", "stiffness", "gravity", "x0", "v0")
+    return HarmonicOscillator(refiner=Refiner.of(scale), **exact)

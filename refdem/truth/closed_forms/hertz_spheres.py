@@ -3,6 +3,7 @@ with free flight afterwards.
 """
 
 from collections.abc import Mapping
+from dataclasses import dataclass
 from fractions import Fraction
 
 from flint import arb, arb_mat
@@ -11,20 +12,24 @@ from refdem.core.parameters import Parameters
 from refdem.core.truth import Truth
 from refdem.errors import NotCertifiedError
 from refdem.truth.balls import arb_of
-from refdem.truth.closed_form import ClosedForm, FromCoordinates, per_precision
+from refdem.truth.closed_form import ClosedForm, displaced_tuple, per_precision
 from refdem.truth.exact import numbers
 from refdem.truth.growth import Grows, Growth, Norm, narrow, smooth
 from refdem.truth.line_growth import homogeneous, steepness
 from refdem.truth.power_contact import PowerContact, touching
 from refdem.truth.reals import Number
-from refdem.truth.refiner import Refiner, Size
-from refdem.truth.smooth_flow import SmoothFlow
+from refdem.truth.refiner import Refiner
+from refdem.truth.smooth_flow import derivative_by_start
 
 HERTZ = Fraction(3, 2)
 
 
-class HertzSpheres(FromCoordinates, ClosedForm, SmoothFlow):
-    """overlap [m] (negative while apart) and v, its rate [m/s], from touch at t = 0."""
+@dataclass(frozen=True)
+class HertzSpheres(ClosedForm):
+    """overlap [m] (negative while apart) and v, its rate [m/s], from touch at t = 0.
+
+    `begin` has both at t = 0.
+    """
 
     state = ("overlap", "v")
     method = (
@@ -33,14 +38,12 @@ class HertzSpheres(FromCoordinates, ClosedForm, SmoothFlow):
     )
     witness = "Taylor integration in w = sqrt(overlap), energy, numerical integration of the law"
 
-    def __init__(
-        self, scale: Mapping[str, Size], mass: Number, stiffness: Number, speed: Fraction
-    ) -> None:
-        self.refiner = Refiner.of(scale)
-        self.mass = mass
-        self.stiffness = stiffness
-        # Overlap and its rate at t = 0.
-        self.begin = (Fraction(0), speed)
+    mass: Number
+    stiffness: Number
+    begin: tuple[Fraction, Fraction]
+
+    displaced = displaced_tuple("begin")
+    jacobian = derivative_by_start
 
     @per_precision
     def contact(self) -> tuple[PowerContact, arb]:
@@ -99,4 +102,5 @@ class HertzSpheres(FromCoordinates, ClosedForm, SmoothFlow):
 def truth(p: Parameters, scale: Mapping[str, float]) -> Truth:
     """The truth of case hertz-spheres."""
     exact = numbers(p, "effective_mass", "stiffness", "closing_speed")
-    return HertzSpheres(scale, exact["effective_mass"], exact["stiffness"], exact["closing_speed"])
+    begin = (Fraction(0), exact["closing_speed"])
+    return HertzSpheres(Refiner.of(scale), exact["effective_mass"], exact["stiffness"], begin)

@@ -10,6 +10,7 @@ from refdem.core.truth import Truth
 from refdem.truth.closed_forms.free_rigid_body import FreeRigidBody, exact_columns
 from refdem.truth.free_body import Exact3, dot_exact
 from refdem.truth.reals import root
+from refdem.truth.refiner import Refiner
 
 
 def start(p: Parameters) -> Exact3:
@@ -27,4 +28,4 @@ def start(p: Parameters) -> Exact3:
 def truth(p: Parameters, scale: Mapping[str, float]) -> Truth:
     """The truth at these parameters (inertia, omega_body, attitude, offset, direction)."""
     inertia, _, attitude = exact_columns(p)
-    return FreeRigidBody(inertia, start(p), attitude, scale, counts_flips=True)
+    return FreeRigidBody(Refiner.of(scale), inertia, start(p), attitude, counts_flips=True)

@@ -16,6 +16,7 @@ from refdem.core.parameters import Parameters
 from refdem.core.truth import Truth
 from refdem.truth.balls import arb_of
 from refdem.truth.exact import number, numbers, vector
+from refdem.truth.refiner import Refiner
 from refdem.truth.timeless import Timeless
 
 F = Fraction
@@ -284,7 +285,7 @@ PAIRS = tuple((pair[0], pair[1]) for pair in ("xx", "yy", "zz", "xy", "xz", "yz"
 def truth(p: Parameters, scale: Mapping[str, float]) -> Truth:
     """The truth at parameters a, b, c [m], density [kg/m^3], hollow and thin (parts), attitude."""
     return Timeless(
-        scale,
+        Refiner.of(scale),
         lambda: values(p),
         witness="sums over signed tetrahedra in rational arithmetic; quadrature where round",
     )

@@ -28,7 +28,7 @@ from refdem.truth.events.system import Entry, TracedModes
 from refdem.truth.events.truth import HybridFlow
 from refdem.truth.exact import number, numbers, vector
 from refdem.truth.growth import CLOSED_BITS, Told
-from refdem.truth.refiner import Size
+from refdem.truth.refiner import Refiner, Size
 from refdem.truth.rotation import rotated, times, upright
 from refdem.truth.tumbling_contact import BodyState, Modes, Slope, lean_rates, rotation
 from refdem.truth.tumbling_stop import first_stop
@@ -140,7 +140,7 @@ def truth(p: Parameters, scale: Mapping[str, float]) -> Truth:
     velocity = vector(p, "velocity")
     if p["member"] == "free":
         body_scale = {name: size for name, size in scale.items() if name not in PLACE}
-        body = FreeRigidBody(inertia, omega, attitude, body_scale)
+        body = FreeRigidBody(Refiner.of(body_scale), inertia, omega, attitude)
         return Flight(body, velocity, scale["x"])
     system = slope(p)
     angular_momentum = [j * w for j, w in zip(inertia, omega, strict=True)]

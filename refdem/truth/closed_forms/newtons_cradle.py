@@ -201,4 +201,4 @@ def truth(p: Parameters, scale: Mapping[str, Size]) -> Truth:
     coordinates = []
     for body in range(count):
         coordinates += [OF_BODY * body, OF_BODY * body + 3]
-    return ImpactSequence(scale, impacts, coordinates, Cradle())
+    return ImpactSequence.of(scale, impacts, coordinates, Cradle())

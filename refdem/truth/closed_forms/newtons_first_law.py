@@ -5,8 +5,8 @@ r = r0 + v t, omega constant, q(t) = (cos |omega| t/2, sin(|omega| t/2) omega/|o
 1687, law I; qdot = 1/2 omega q).
 """
 
-from collections.abc import Iterable, Mapping, Sequence
-from copy import copy
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from fractions import Fraction
 
 from flint import arb
@@ -14,7 +14,7 @@ from flint import arb
 from refdem.core.truth import Ball, Truth
 from refdem.errors import UsageError
 from refdem.truth.balls import Guarded, arb_of
-from refdem.truth.closed_form import ClosedForm, per_precision
+from refdem.truth.closed_form import ClosedForm, displaced_tuple, per_precision
 from refdem.truth.growth import Grows, Told
 from refdem.truth.refiner import Refiner
 
@@ -25,9 +25,12 @@ ATTITUDE = ("attitude.w", "attitude.x", "attitude.y", "attitude.z")
 Numbers = Sequence[Fraction | int]
 
 
+@dataclass(frozen=True)
 class Uniform(ClosedForm):
     """One body that nothing acts on; quantities x, y, z, vx, vy, vz, omega.x/y/z (space axes),
     attitude.w/x/y/z.
+
+    `start` has the numbers of `state` at t = 0.
 
     `attitude` is the unit quaternion at t = 0 (exactly of norm 1: rationals such as 1,0,0,0 or
     3/5,4/5,0,0); its sign is kept continuous in time. `omega` [rad/s] must lie along a principal
@@ -39,31 +42,18 @@ class Uniform(ClosedForm):
     witness = "Taylor series of qdot = omega q/2 in rational arithmetic"
     state = (*POSITION, *VELOCITY, *SPIN)
 
-    def __init__(
-        self,
-        scale: Mapping[str, float],
-        *,
-        position: Numbers,
-        velocity: Numbers,
-        omega: Numbers,
-        attitude: Numbers = (1, 0, 0, 0),
-    ) -> None:
-        names = (*self.state, *ATTITUDE)
-        self.refiner = Refiner.of({name: scale.get(name) or 1.0 for name in names})
-        if sum(Fraction(part) ** 2 for part in attitude) != 1:
-            raise UsageError(
-                f"attitude is {tuple(map(str, attitude))}; expected exact numbers whose squares add"
-                " up to 1"
-            )
-        self.start = [Fraction(x) for x in (*position, *velocity, *omega)]
-        self.attitude = [Fraction(x) for x in attitude]
+    start: tuple[Fraction, ...]
+    attitude: tuple[Fraction, ...]
 
-    def displaced(self, axis: int, amount: Fraction) -> "Uniform":
-        """The motion whose start is larger by `amount` in coordinate `axis` of `state`."""
-        other = copy(self)
-        other.kept = {}
-        other.start = [x + amount * (i == axis) for i, x in enumerate(self.start)]
-        return other
+    displaced = displaced_tuple("start")
+
+    def __post_init__(self) -> None:
+        """Raises UsageError for an attitude that is not exactly of norm 1."""
+        if sum(part**2 for part in self.attitude) != 1:
+            raise UsageError(
+                f"attitude is {tuple(map(str, self.attitude))}; expected exact numbers whose"
+                " squares add up to 1"
+            )
 
     def evaluate(self, t: arb) -> dict[str, arb]:
         """Every quantity of the uniform motion at time t."""
@@ -127,14 +117,14 @@ class Uniform(ClosedForm):
         return [turned_w, turned_x, turned_y, turned_z]
 
 
+@dataclass(frozen=True)
 class Still(Guarded, Truth):
     """Bodies that stay where they are: every quantity named is exactly 0 for ever, and S = 1."""
 
     method = "equilibrium"
     witness = "balance of forces"
 
-    def __init__(self, quantities: Iterable[str]) -> None:
-        self.quantities = tuple(quantities)
+    quantities: tuple[str, ...]
 
     def at(self, t: Fraction) -> dict[str, Ball]:
         """The value zero, with radius zero, for every quantity."""
@@ -156,13 +146,15 @@ def free(
     """The member `free`: see Uniform; arguments are exact numbers (p["..."] of a vector parameter
     as it is).
     """
-    return Uniform(scale, position=position, velocity=velocity, omega=omega, attitude=attitude)
+    names = (*Uniform.state, *ATTITUDE)
+    refiner = Refiner.of({name: scale.get(name) or 1.0 for name in names})
+    start = tuple(map(Fraction, (*position, *velocity, *omega)))
+    return Uniform(refiner, start, tuple(map(Fraction, attitude)))
 
 
 def resting(bodies: int) -> Truth:
     """The members that rest: r1.x .. rN.z, the displacement from the start [m], and v1.x .. vN.z
     [m/s] of each body, all 0.
     """
-    return Still(
-        f"{kind}{i}.{axis}" for i in range(1, bodies + 1) for kind in "rv" for axis in "xyz"
-    )
+    names = (f"{kind}{i}.{axis}" for i in range(1, bodies + 1) for kind in "rv" for axis in "xyz")
+    return Still(tuple(names))

@@ -17,7 +17,7 @@ where H = thetadot^2/2 - w0^2 cos theta, so that k^2 = 1/2 + H/(2 w0^2).
 
 from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
-from copy import copy
+from dataclasses import dataclass
 from fractions import Fraction
 from typing import Any
 
@@ -26,12 +26,13 @@ from flint import arb
 from refdem.core.parameters import Parameters
 from refdem.core.truth import Truth
 from refdem.truth.balls import UndecidedError, arb_of, nearest_integer
-from refdem.truth.closed_form import ClosedForm, per_precision
+from refdem.truth.closed_form import ClosedForm, displaced_fields, per_precision
 from refdem.truth.energy_growth import Line, Neighbour
+from refdem.truth.exact import numbers
 from refdem.truth.growth import CLOSED_BITS, Grows
 from refdem.truth.jacobi import Jacobi
 from refdem.truth.refiner import Refiner, Sensitivity
-from refdem.truth.smooth_flow import SmoothFlow, growth_along, growth_of_an_equation
+from refdem.truth.smooth_flow import derivative_by_start, growth_along, growth_of_an_equation
 from refdem.truth.validated_flow import Quantities, ValidatedFlow
 
 WITNESS = (
@@ -54,11 +55,11 @@ class PendulumMotion(ABC):
         """Time of a swing to and fro, or of a revolution [s]; None if there is none."""
 
 
+@dataclass(frozen=True)
 class Equilibrium(PendulumMotion):
     """Hanging, or standing exactly at the top."""
 
-    def __init__(self, half_angle: arb) -> None:
-        self.half_angle = half_angle
+    half_angle: arb
 
     def state(self, t: arb) -> tuple[arb, arb]:
         return self.half_angle, arb(0)
@@ -67,18 +68,14 @@ class Equilibrium(PendulumMotion):
         """None: an equilibrium has no period."""
 
 
+@dataclass(frozen=True)
 class Swing(PendulumMotion):
-    """k < 1: tan(theta/2) = k sn u/dn u, thetadot = 2 k w0 cn u, with u = w0 t + shift.
+    """k < 1: tan(theta/2) = k sn u/dn u, thetadot = 2 k w0 cn u, with u = w0 t + shift."""
 
-    `rate` is thetadot [rad/s] at the start.
-    """
-
-    def __init__(self, sine: arb, rate: arb, w0: arb, m: arb, m1: arb) -> None:
-        self.jacobi = Jacobi(m, m1)
-        self.k = m.sqrt()
-        self.w0 = w0
-        # At t = 0: sn u0 = sin(theta0/2)/k and cn u0 = thetadot0/(2 k w0).
-        self.shift = self.jacobi.argument(sine / self.k, rate / (2 * self.k * w0))
+    jacobi: Jacobi
+    k: arb
+    w0: arb
+    shift: arb
 
     def state(self, t: arb) -> tuple[arb, arb]:
         sn, cn, dn = self.jacobi.sn_cn_dn(self.w0 * t + self.shift)
@@ -110,20 +107,18 @@ class Swing(PendulumMotion):
         return 4 * self.jacobi.k / self.w0
 
 
+@dataclass(frozen=True)
 class Revolution(PendulumMotion):
     """k > 1: theta/2 = sense am u, thetadot = 2 sense k w0 dn u, with u = k w0 t + shift.
 
     `sense` is the sign of thetadot, which it keeps. The parameter of Jacobi's functions is 1/k^2.
     """
 
-    def __init__(self, sine: arb, cosine: arb, w0: arb, m: arb, m1: arb, *, sense: int) -> None:
-        # 1 - 1/k^2 = -(1 - k^2)/k^2.
-        self.jacobi = Jacobi(1 / m, -m1 / m)
-        self.k = m.sqrt()
-        self.w0 = w0
-        self.sense = sense
-        # At t = 0: sn u0 = sense sin(theta0/2) and cn u0 = cos(theta0/2).
-        self.shift = self.jacobi.argument(sense * sine, cosine)
+    jacobi: Jacobi
+    k: arb
+    w0: arb
+    sense: int
+    shift: arb
 
     def state(self, t: arb) -> tuple[arb, arb]:
         u = self.k * self.w0 * t + self.shift
@@ -157,14 +152,14 @@ class Revolution(PendulumMotion):
         return 2 * self.jacobi.k / (self.k * self.w0)
 
 
+@dataclass(frozen=True)
 class Separatrix(PendulumMotion):
     """k = 1, through the bottom at t = 0: theta/2 = sense atan sinh(w0 t), thetadot = 2 sense w0
     sech(w0 t).
     """
 
-    def __init__(self, w0: arb, *, sense: int) -> None:
-        self.w0 = w0
-        self.sense = sense
+    w0: arb
+    sense: int
 
     def state(self, t: arb) -> tuple[arb, arb]:
         u = self.w0 * t
@@ -174,7 +169,8 @@ class Separatrix(PendulumMotion):
         """None: it never comes back."""
 
 
-class Pendulum(ClosedForm, SmoothFlow):
+@dataclass(frozen=True, kw_only=True)
+class Pendulum(ClosedForm):
     """theta (continuous from theta0), thetadot, x, y and rod_force; the start is theta0 +
     half_turns pi, thetadot0.
     """
@@ -187,16 +183,15 @@ class Pendulum(ClosedForm, SmoothFlow):
     state = ("theta", "thetadot")
     proof_of_s = Sensitivity(CLOSED_BITS)
 
-    def __init__(
-        self, p: Mapping[str, Fraction], scale: Mapping[str, float], *, half_turns: int = 0
-    ) -> None:
-        self.refiner = Refiner.of(scale)
-        self.mass = p["mass"]
-        self.length = p["length"]
-        self.gravity = p["gravity"]
-        self.theta0 = p["theta0"]
-        self.thetadot0 = p["thetadot0"]
-        self.half_turns = half_turns
+    mass: Fraction
+    length: Fraction
+    gravity: Fraction
+    theta0: Fraction
+    thetadot0: Fraction
+    half_turns: int = 0
+
+    displaced = displaced_fields("theta0", "thetadot0")
+    jacobian = derivative_by_start
 
     @per_precision
     def start(self) -> tuple[int, arb, arb]:
@@ -235,15 +230,22 @@ class Pendulum(ClosedForm, SmoothFlow):
         if self.theta0 == 0 and self.thetadot0 == 0:
             return Equilibrium(arb.pi() / 2 * (self.half_turns % 2))
         if self.theta0 == 0 and self.half_turns % 2 == 0 and kinetic == 1:
-            return Separatrix(w0, sense=sense)
+            return Separatrix(w0, sense)
         _, sine, cosine = self.start()
         # m = k^2 and m1 = 1 - k^2, each without the cancellation that 1 - m would have.
         m = sine * sine + arb_of(kinetic)
         m1 = cosine * cosine - arb_of(kinetic)
         if m1 > 0:
-            return Swing(sine, arb_of(self.thetadot0), w0, m, m1)
+            jacobi = Jacobi(m, m1)
+            k = m.sqrt()
+            # At t = 0: sn u0 = sin(theta0/2)/k and cn u0 = thetadot0/(2 k w0).
+            shift = jacobi.argument(sine / k, arb_of(self.thetadot0) / (2 * k * w0))
+            return Swing(jacobi, k, w0, shift)
         if m1 < 0:
-            return Revolution(sine, cosine, w0, m, m1, sense=sense)
+            # 1 - 1/k^2 = -(1 - k^2)/k^2.
+            jacobi = Jacobi(1 / m, -m1 / m)
+            # At t = 0: sn u0 = sense sin(theta0/2) and cn u0 = cos(theta0/2).
+            return Revolution(jacobi, m.sqrt(), w0, sense, jacobi.argument(sense * sine, cosine))
         raise UndecidedError(f"swing or revolution: 1 - k^2 is {m1}")
 
     def evaluate(self, t: arb) -> dict[str, arb]:
@@ -267,16 +269,6 @@ class Pendulum(ClosedForm, SmoothFlow):
             "y": -length * cosine,
             "rod_force": force,
         }
-
-    def displaced(self, axis: int, amount: Fraction) -> "Pendulum":
-        """The pendulum whose theta0 (axis 0) or thetadot0 (axis 1) is larger by `amount`."""
-        moved = copy(self)
-        moved.kept = {}
-        if axis == 0:
-            moved.theta0 = self.theta0 + amount
-        else:
-            moved.thetadot0 = self.thetadot0 + amount
-        return moved
 
     def equation(self, quantities: Quantities | None = None) -> ValidatedFlow:
         """The same motion by its equation, with the same quantities or with others."""
@@ -359,5 +351,5 @@ def truth(p: Parameters, scale: Mapping[str, float]) -> Truth:
 
     `scale` has the size of each quantity against which its error counts.
     """
-    exact: Any = p
-    return Pendulum(exact, scale)
+    exact = numbers(p, "mass", "length", "gravity", "theta0", "thetadot0")
+    return Pendulum(refiner=Refiner.of(scale), half_turns=0, **exact)

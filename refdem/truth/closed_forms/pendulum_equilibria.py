@@ -6,6 +6,7 @@ exactly, as half a turn.
 """
 
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from fractions import Fraction
 from typing import Any
 
@@ -14,16 +15,18 @@ from flint import arb
 from refdem.core.parameters import Parameters
 from refdem.core.truth import Truth
 from refdem.truth.balls import arb_of
-from refdem.truth.closed_form import ClosedForm, per_precision
+from refdem.truth.closed_form import ClosedForm, displaced_part, per_precision
 from refdem.truth.closed_forms.pendulum import WITNESS, Equilibrium, Pendulum
 from refdem.truth.exact import number
 from refdem.truth.growth import Grows
-from refdem.truth.smooth_flow import SmoothFlow
+from refdem.truth.refiner import Refiner
+from refdem.truth.smooth_flow import derivative_by_start
 
 SEEN = ("x", "y", "vx", "vy")
 
 
-class PendulumEquilibria(ClosedForm, SmoothFlow):
+@dataclass(frozen=True)
+class PendulumEquilibria(ClosedForm):
     """The truth of a pendulum near an equilibrium: x, y [m], vx and vy [m/s].
 
     theta and thetadot are the coordinates in which the start is displaced.
@@ -37,9 +40,10 @@ class PendulumEquilibria(ClosedForm, SmoothFlow):
     reported = SEEN
     proof_of_s = Pendulum.proof_of_s
 
-    def __init__(self, pendulum: Pendulum) -> None:
-        self.refiner = pendulum.refiner
-        self.pendulum = pendulum
+    pendulum: Pendulum
+
+    displaced = displaced_part("pendulum")
+    jacobian = derivative_by_start
 
     def evaluate(self, t: arb) -> dict[str, arb]:
         """x = l sin theta, y = -l cos theta and their rates; at rest these are exact."""
@@ -56,10 +60,6 @@ class PendulumEquilibria(ClosedForm, SmoothFlow):
         speed = length * quantities["thetadot"]
         position = {name: quantities[name] for name in ("theta", "thetadot", "x", "y")}
         return position | {"vx": speed * cosine, "vy": speed * sine}
-
-    def displaced(self, axis: int, amount: Fraction) -> "PendulumEquilibria":
-        """The motion whose theta0 (axis 0) or thetadot0 (axis 1) is larger by `amount`."""
-        return PendulumEquilibria(self.pendulum.displaced(axis, amount))
 
     def seen(self, y: Sequence[Any]) -> dict[str, Any]:
         """The quantities of a state, by the operations of a traced field."""
@@ -98,5 +98,5 @@ def truth(p: Parameters, scale: Mapping[str, float]) -> Truth:
         "theta0": theta0,
         "thetadot0": Fraction(0),
     }
-    sizes = {**scale, "theta": 1.0, "thetadot": scale["vx"] / scale["x"]}
-    return PendulumEquilibria(Pendulum(start, sizes, half_turns=int(is_top)))
+    refiner = Refiner.of({**scale, "theta": 1.0, "thetadot": scale["vx"] / scale["x"]})
+    return PendulumEquilibria(refiner, Pendulum(refiner=refiner, **start, half_turns=int(is_top)))

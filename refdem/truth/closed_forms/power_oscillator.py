@@ -12,6 +12,7 @@ the root than its residual over that bound (mean value theorem).
 """
 
 from collections.abc import Callable, Mapping
+from dataclasses import dataclass
 from fractions import Fraction
 
 from flint import arb, arb_mat, ctx
@@ -19,15 +20,16 @@ from flint import arb, arb_mat, ctx
 from refdem.core.parameters import Parameters
 from refdem.core.truth import Truth
 from refdem.truth.balls import arb_of, nearest_integer
-from refdem.truth.closed_form import ClosedForm, per_precision
+from refdem.truth.closed_form import ClosedForm, displaced_fields, per_precision
 from refdem.truth.exact import numbers
-from refdem.truth.from_rest import FromRest
+from refdem.truth.from_rest import derivative_from_rest, rates_from_rest
 from refdem.truth.growth import Grows, Growth, Norm, PeriodicGrowth, narrow, smooth
 from refdem.truth.line_growth import homogeneous, steepness
 from refdem.truth.refiner import Refiner
 
 
-class PowerOscillator(FromRest, ClosedForm):
+@dataclass(frozen=True, kw_only=True)
+class PowerOscillator(ClosedForm):
     """x [m] and v [m/s] at t; scalar period [s]."""
 
     state = ("x", "v")
@@ -40,12 +42,19 @@ class PowerOscillator(FromRest, ClosedForm):
         " by gamma functions"
     )
 
-    def __init__(self, p: Parameters, scale: Mapping[str, float]) -> None:
-        self.refiner = Refiner.of(scale)
-        values = numbers(p, "mass", "stiffness", "exponent", "amplitude")
-        self.ratio = values["stiffness"] / values["mass"]
-        self.exponent = values["exponent"]
-        self.amplitude = values["amplitude"]
+    mass: Fraction
+    stiffness: Fraction
+    exponent: Fraction
+    amplitude: Fraction
+
+    displaced = displaced_fields("amplitude")
+    jacobian = derivative_from_rest
+    rates = rates_from_rest
+
+    @property
+    def ratio(self) -> Fraction:
+        """The stiffness per mass, k/m."""
+        return self.stiffness / self.mass
 
     @property
     def p(self) -> arb:
@@ -60,10 +69,6 @@ class PowerOscillator(FromRest, ClosedForm):
         if x < 0:
             return size
         return size.union(-size)
-
-    def rates(self, t: Fraction) -> tuple[arb, arb]:
-        """d(x, v)(t)/d v(0), as of any start from rest."""
-        return self.rates_of_the_motion(t)
 
     def rate(self) -> arb:
         """The rate u/A = sqrt(2 k/(m p)) A^((n - 1)/2) [1/s] of the motion."""
@@ -191,4 +196,5 @@ def inverse(
 
 def truth(p: Parameters, scale: Mapping[str, float]) -> Truth:
     """The truth at parameters mass, stiffness, exponent, amplitude; `scale` of x and v."""
-    return PowerOscillator(p, scale)
+    exact = numbers(p, "mass", "stiffness", "exponent", "amplitude")
+    return PowerOscillator(refiner=Refiner.of(scale), **exact)

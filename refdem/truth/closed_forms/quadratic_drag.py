@@ -28,9 +28,8 @@ b = (u(s) - u(s'))/(1 -+ u(s')^2).
 """
 
 from collections.abc import Mapping
-from copy import copy
+from dataclasses import dataclass
 from fractions import Fraction
-from typing import Self
 
 from flint import arb
 
@@ -38,12 +37,13 @@ from refdem.core.parameters import Parameters
 from refdem.core.truth import Truth
 from refdem.errors import NotCertifiedError
 from refdem.truth.balls import arb_of
-from refdem.truth.closed_form import ClosedForm, per_precision
+from refdem.truth.closed_form import ClosedForm, displaced_fields, per_precision
 from refdem.truth.exact import numbers
 from refdem.truth.growth import Grows, Told
 from refdem.truth.refiner import Refiner
 
 
+@dataclass(frozen=True, kw_only=True)
 class QuadraticDrag(ClosedForm):
     """Height y [m] and velocity v [m/s], both upwards, at t >= 0.
 
@@ -54,21 +54,18 @@ class QuadraticDrag(ClosedForm):
     witness = "Taylor integration of the equation of motion, way up and way down apart"
     state = ("y", "v")
 
-    def __init__(self, p: Parameters, scale: Mapping[str, float]) -> None:
-        self.refiner = Refiner.of(scale)
-        values = numbers(p, "mass", "gravity", "drag", "v0")
-        self.gravity = values["gravity"]
-        self.terminal_squared = values["mass"] * values["gravity"] / values["drag"]
-        self.y0 = Fraction(0)
-        self.v0 = values["v0"]
+    mass: Fraction
+    gravity: Fraction
+    drag: Fraction
+    y0: Fraction = Fraction(0)
+    v0: Fraction
 
-    def displaced(self, axis: int, amount: Fraction) -> Self:
-        """The motion from a neighbouring start."""
-        other = copy(self)
-        other.kept = {}
-        other.y0 = self.y0 + amount * (axis == 0)
-        other.v0 = self.v0 + amount * (axis == 1)
-        return other
+    displaced = displaced_fields("y0", "v0")
+
+    @property
+    def terminal_squared(self) -> Fraction:
+        """The square v_t^2 = m g/c of the terminal velocity [m^2/s^2]."""
+        return self.mass * self.gravity / self.drag
 
     @per_precision
     def terminal(self) -> arb:
@@ -171,4 +168,5 @@ def risen(u0: arb, s: arb) -> tuple[arb, arb]:
 
 def truth(p: Parameters, scale: Mapping[str, float]) -> Truth:
     """The truth at parameters mass, gravity, drag, v0; `scale` of y and v."""
-    return QuadraticDrag(p, scale)
+    exact = numbers(p, "mass", "gravity", "drag", "v0")
+    return QuadraticDrag(refiner=Refiner.of(scale), **exact)

@@ -22,6 +22,7 @@ from refdem.core.parameters import Parameters
 from refdem.core.truth import Truth
 from refdem.truth.balls import UndecidedError, arb_of
 from refdem.truth.exact import vector
+from refdem.truth.refiner import Refiner
 from refdem.truth.timeless import Timeless
 
 
@@ -255,5 +256,7 @@ def truth(p: Parameters, scale: Mapping[str, float]) -> Truth:
     `scale` maps every quantity to the size against which its error counts.
     """
     return Timeless(
-        scale, lambda: listed(values(p)), witness="Hamilton's products in rational arithmetic"
+        Refiner.of(scale),
+        lambda: listed(values(p)),
+        witness="Hamilton's products in rational arithmetic",
     )

@@ -15,7 +15,9 @@ section 33).
 """
 
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
 from fractions import Fraction
+from functools import cached_property
 from math import lcm
 from typing import Any
 
@@ -27,8 +29,14 @@ from refdem.errors import NotCertifiedError
 from refdem.truth import rotation
 from refdem.truth.balls import UndecidedError, arb_of, precision
 from refdem.truth.body_growth import diagonal, steady_growth, tumbling_growth
-from refdem.truth.closed_form import ClosedForm, per_precision
-from refdem.truth.closed_forms.free_rigid_body import ATTITUDE, BODY_OMEGA, OMEGA, Turning
+from refdem.truth.closed_form import ClosedForm, displaced_tuple, per_precision
+from refdem.truth.closed_forms.free_rigid_body import (
+    ATTITUDE,
+    BODY_OMEGA,
+    OMEGA,
+    attitude_at,
+    derivative_of_turning,
+)
 from refdem.truth.exact import vector
 from refdem.truth.free_body import (
     Elliptic,
@@ -40,7 +48,7 @@ from refdem.truth.free_body import (
     steady_lead,
 )
 from refdem.truth.growth import CLOSED_BITS, Grows
-from refdem.truth.refiner import FIRST_BITS, Refiner, Sensitivity, Size
+from refdem.truth.refiner import FIRST_BITS, Refiner, Sensitivity
 from refdem.truth.vectors import cross
 
 WITNESS = (
@@ -102,7 +110,8 @@ class AboutAxis(FreeBody):
         return steady_lead(self.moment, self.twice_energy, self.length, square) * t
 
 
-class RigidCluster(ClosedForm, Turning):
+@dataclass(frozen=True)
+class RigidCluster(ClosedForm):
     """The truth of a cluster: r1.x .. r4.z [m] of points whose centre of mass rests.
 
     `masses` [kg], `places` (positions [m]) and `omega` [rad/s, space axes] at the start are exact.
@@ -122,27 +131,38 @@ class RigidCluster(ClosedForm, Turning):
     state = BODY_OMEGA
     proof_of_s = Sensitivity(CLOSED_BITS)
 
-    def __init__(
-        self,
-        masses: Vector,
-        places: Sequence[Vector],
-        omega: Vector,
-        scale: Mapping[str, Size],
-        shift: Vector = NONE,
-    ) -> None:
-        self.refiner = Refiner.of(scale)
-        self.masses = masses
-        self.places = places
-        self.omega = omega
-        self.shift = shift
-        total_mass = sum(masses, Fraction(0))
-        self.centre = [dot_exact(masses, [r[i] for r in places]) / total_mass for i in AXES]
-        self.arms = [[r[i] - self.centre[i] for i in AXES] for r in places]
-        self.tensor = inertia_tensor(masses, self.arms)
-        self.method = (
+    masses: Vector
+    places: Sequence[Vector]
+    omega: Vector
+    shift: Vector = NONE
+    method: str = field(init=False)
+
+    displaced = displaced_tuple("shift")
+    jacobian = derivative_of_turning
+    turned = attitude_at
+
+    def __post_init__(self) -> None:
+        """Raises NotCertifiedError where no precision decides about which axis it turns."""
+        vars(self)["method"] = (
             f"closed form in Arb balls; {self.form().method}, in principal axes that are isolated"
             " roots"
         )
+
+    @cached_property
+    def centre(self) -> list[Fraction]:
+        """The centre of mass of the points [m]."""
+        total_mass = sum(self.masses, Fraction(0))
+        return [dot_exact(self.masses, [r[i] for r in self.places]) / total_mass for i in AXES]
+
+    @cached_property
+    def arms(self) -> list[list[Fraction]]:
+        """The places from the centre of mass [m]."""
+        return [[r[i] - self.centre[i] for i in AXES] for r in self.places]
+
+    @cached_property
+    def tensor(self) -> list[list[Fraction]]:
+        """The inertia tensor [kg m^2] about the centre of mass."""
+        return inertia_tensor(self.masses, self.arms)
 
     def form(self) -> type[FreeBody]:
         """The closed form of the motion, at the lowest precision at which balls decide it.
@@ -288,12 +308,6 @@ class RigidCluster(ClosedForm, Turning):
                 places[f"r{number + 1}.{axis}"] = arb_of(c) + x
         return places
 
-    def displaced(self, axis: int, amount: Fraction) -> "RigidCluster":
-        """The cluster whose omega is larger by `amount` [rad/s] along one of `axes`."""
-        shift = list(self.shift)
-        shift[axis] += amount
-        return RigidCluster(self.masses, self.places, self.omega, self.scale, tuple(shift))
-
     @per_precision
     def growth(self) -> Grows:
         """How errors grow: as those of the free body (see the class)."""
@@ -333,4 +347,4 @@ def truth(p: Parameters, scale: Mapping[str, float], rate: float) -> Truth:
     flat = vector(p, "positions")
     places = [flat[k : k + 3] for k in range(0, 12, 3)]
     sizes = {**scale, **dict.fromkeys((*BODY_OMEGA, *OMEGA), rate), **dict.fromkeys(ATTITUDE, 1.0)}
-    return RigidCluster(vector(p, "masses"), places, vector(p, "omega"), sizes)
+    return RigidCluster(Refiner.of(sizes), vector(p, "masses"), places, vector(p, "omega"))

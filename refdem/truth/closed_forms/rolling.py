@@ -24,17 +24,16 @@ is the larger one of both.
 """
 
 from collections.abc import Iterator, Mapping, Sequence
-from copy import copy
 from dataclasses import dataclass
 from fractions import Fraction
-from typing import Self
+from functools import cached_property
 
 from flint import arb, arb_mat
 
 from refdem.core.parameters import Parameters
 from refdem.core.truth import Truth
 from refdem.truth.balls import arb_of
-from refdem.truth.closed_form import ClosedForm, per_precision
+from refdem.truth.closed_form import ClosedForm, displaced_fields, per_precision
 from refdem.truth.exact import numbers
 from refdem.truth.growth import Grows, Growth, Norm, Stretch, narrow, smooth
 from refdem.truth.impact_sequence import Largest
@@ -160,6 +159,7 @@ class Incline:
         ]
 
 
+@dataclass(frozen=True, kw_only=True)
 class Rolling(ClosedForm):
     """x and y [m], vx and vy [m/s] of the centre and omega [rad/s] at t >= 0.
 
@@ -174,44 +174,21 @@ class Rolling(ClosedForm):
     )
     state = STATE
 
-    def __init__(
-        self,
-        scale: Mapping[str, Size],
-        incline: Incline,
-        *,
-        speed: Fraction,
-        spin: Fraction,
-    ) -> None:
-        self.refiner = Refiner.of(scale)
-        self.incline = incline
-        self.place = Fraction(0)
-        self.speed = speed
-        self.spin = spin
+    incline: Incline
+    place: Fraction = Fraction(0)
+    speed: Fraction
+    spin: Fraction
 
-    def displaced(self, axis: int, amount: Fraction) -> Self:
-        """The motion whose start is larger by `amount` in coordinate `axis` of STATE."""
-        other = copy(self)
-        other.kept = {}
-        other.place = self.place + amount * (axis == 0)
-        other.speed = self.speed + amount * (axis == 1)
-        other.spin = self.spin + amount * (axis == 2)
-        return other
+    displaced = displaced_fields("place", "speed", "spin")
 
     @property
     def slip(self) -> Fraction:
         """The slip s = v + R omega [m/s] at the start."""
         return self.speed + self.incline.radius * self.spin
 
-    @property
+    @cached_property
     def phases(self) -> list[Phase]:
         """The first phase and, where its slip ends, the one after it, which is for ever."""
-        if "phases" not in self.kept:
-            self.kept["phases"] = self.found_phases()
-        found: list[Phase] = self.kept["phases"]
-        return found
-
-    def found_phases(self) -> list[Phase]:
-        """The phases, from the start on."""
         incline = self.incline
         side = incline.side_after(self.slip)
         start = (self.place, self.speed, self.spin)
@@ -314,4 +291,5 @@ def incline_of(p: Mapping[str, object]) -> Incline:
 
 def truth(p: Parameters, scale: Mapping[str, Size]) -> Truth:
     """The truth of case rolling; `scale` of x, y, vx, vy and omega."""
-    return Rolling(scale, incline_of(p), **numbers(p, "speed", "spin"))
+    start = numbers(p, "speed", "spin")
+    return Rolling(refiner=Refiner.of(scale), incline=incline_of(p), **start)

@@ -16,6 +16,7 @@ from refdem.truth.balls import arb_of
 from refdem.truth.closed_forms import nine_entries
 from refdem.truth.closed_forms.quaternions import listed
 from refdem.truth.exact import number, vector
+from refdem.truth.refiner import Refiner
 from refdem.truth.rotation import times
 from refdem.truth.timeless import Timeless
 
@@ -247,5 +248,7 @@ def truth(p: Parameters, scale: Mapping[str, float]) -> Truth:
     `scale` maps every quantity to the size against which its error counts.
     """
     return Timeless(
-        scale, lambda: listed(values(p)), witness="products of matrices of sines and cosines"
+        Refiner.of(scale),
+        lambda: listed(values(p)),
+        witness="products of matrices of sines and cosines",
     )

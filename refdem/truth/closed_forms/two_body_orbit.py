@@ -15,7 +15,7 @@ A `State` is (x, y, vx, vy) in m and m/s.
 """
 
 from collections.abc import Mapping, Sequence
-from copy import copy
+from dataclasses import dataclass
 from fractions import Fraction
 from functools import partial
 
@@ -24,12 +24,12 @@ from flint import arb, arb_mat, ctx
 from refdem.core.parameters import Parameters
 from refdem.core.truth import Truth
 from refdem.truth.balls import UndecidedError, arb_of
-from refdem.truth.closed_form import ClosedForm, per_precision
+from refdem.truth.closed_form import ClosedForm, displaced_tuple, per_precision
 from refdem.truth.exact import number
 from refdem.truth.growth import Grows, Norm, SteadyGrowth, most, narrow
 from refdem.truth.kepler_growth import CentralGrowth
 from refdem.truth.refiner import GROWTH_BITS, Refiner, Sensitivity
-from refdem.truth.smooth_flow import SmoothFlow
+from refdem.truth.smooth_flow import derivative_by_start
 
 NAMES = ("x", "y", "vx", "vy")
 LOST_BITS = 9
@@ -39,7 +39,8 @@ of 64 bits suffices, at 0.999 it does not.
 State = Sequence[arb]
 
 
-class Orbit(ClosedForm, SmoothFlow):
+@dataclass(frozen=True, kw_only=True)
+class Orbit(ClosedForm):
     """The truth of an orbit: x, y [m] and vx, vy [m/s] at t; scalar period [s].
 
     The field is Kepler's with `gm` [m^3/s^2], or that of a spring with `stiffness` [1/s^2, unit
@@ -51,29 +52,15 @@ class Orbit(ClosedForm, SmoothFlow):
     witness = "Taylor series of the equation of motion; energy, angular momentum and Laplace vector"
     state = NAMES
 
-    def __init__(
-        self,
-        scale: Mapping[str, float],
-        *,
-        gm: Fraction,
-        semi_major: Fraction,
-        eccentricity: Fraction,
-        stiffness: Fraction | None,
-    ) -> None:
-        self.refiner = Refiner.of(scale)
-        self.gm = gm
-        self.semi_major = semi_major
-        self.eccentricity = eccentricity
-        self.stiffness = stiffness
-        self.proof_of_s = Sensitivity(self.growth_bits())
-        self.offset = [Fraction(0)] * 4
+    gm: Fraction
+    semi_major: Fraction
+    eccentricity: Fraction
+    stiffness: Fraction | None
+    proof_of_s: Sensitivity
+    offset: tuple[Fraction, ...] = (Fraction(0),) * 4
 
-    def displaced(self, axis: int, amount: Fraction) -> "Orbit":
-        """The orbit whose start (x, y, vx, vy) is larger by `amount` in coordinate `axis`."""
-        other = copy(self)
-        other.kept = {}
-        other.offset = [x + amount * (i == axis) for i, x in enumerate(self.offset)]
-        return other
+    displaced = displaced_tuple("offset")
+    jacobian = derivative_by_start
 
     def start(self) -> list[arb]:
         """The state at t = 0: periapsis for Kepler, the end of the long axis for the spring."""
@@ -128,18 +115,6 @@ class Orbit(ClosedForm, SmoothFlow):
             float(length / speed),
         )
 
-    def growth_bits(self) -> Sequence[int]:
-        """The working precisions [bit] at which S is tried, in rising order.
-
-        On a long ellipse errors grow as a power of 1/(1 - e) at periapsis and shrink again.
-        Precisions at which nothing would be left of them are left out.
-        """
-        if self.stiffness is not None:
-            return GROWTH_BITS
-        bits_of_elongation = (1 / (1 - self.eccentricity)).__ceil__().bit_length()
-        least = LOST_BITS * (bits_of_elongation - 1)
-        return [bits for bits in GROWTH_BITS if bits >= least]
-
     def constants(self) -> dict[str, arb]:
         """The period 2 pi/n [s]: n^2 = gm/a^3 in Kepler's field, the stiffness on the spring."""
         if self.stiffness is None:
@@ -147,6 +122,19 @@ class Orbit(ClosedForm, SmoothFlow):
         else:
             inverse_square = 1 / self.stiffness
         return {"period": 2 * arb.pi() * arb_of(inverse_square).sqrt()}
+
+
+def proof_of_s(stiffness: Fraction | None, eccentricity: Fraction) -> Sensitivity:
+    """The proof of S, with the working precisions [bit] at which it is tried, in rising order.
+
+    On a long ellipse errors grow as a power of 1/(1 - e) at periapsis and shrink again.
+    Precisions at which nothing would be left of them are left out.
+    """
+    if stiffness is not None:
+        return Sensitivity()
+    bits_of_elongation = (1 / (1 - eccentricity)).__ceil__().bit_length()
+    least = LOST_BITS * (bits_of_elongation - 1)
+    return Sensitivity([bits for bits in GROWTH_BITS if bits >= least])
 
 
 def spring(stiffness: arb, start: State, t: arb) -> list[arb]:
@@ -343,4 +331,12 @@ def truth(p: Parameters, scale: Mapping[str, float]) -> Truth:
         gm = number(p, "gm")
     a = number(p, "semi_major")
     e = number(p, "eccentricity")
-    return Orbit(scale, gm=gm, semi_major=a, eccentricity=e, stiffness=stiffness)
+    refiner = Refiner.of(scale)
+    return Orbit(
+        refiner=refiner,
+        gm=gm,
+        semi_major=a,
+        eccentricity=e,
+        stiffness=stiffness,
+        proof_of_s=proof_of_s(stiffness, e),
+    )

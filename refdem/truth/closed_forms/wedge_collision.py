@@ -6,6 +6,7 @@ k1/m, until d = 0.
 """
 
 from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
 from fractions import Fraction
 from functools import partial
 
@@ -15,17 +16,21 @@ from refdem.core.parameters import Parameters
 from refdem.core.truth import Truth
 from refdem.errors import NotCertifiedError
 from refdem.truth.balls import UndecidedError, arb_of
-from refdem.truth.closed_form import ClosedForm, FromCoordinates, per_precision
+from refdem.truth.closed_form import ClosedForm, displaced_tuple, per_precision
 from refdem.truth.exact import numbers
 from refdem.truth.growth import Grows, Growth, Norm, Stretch, narrow, smooth
 from refdem.truth.line_growth import homogeneous, linear, steepness
 from refdem.truth.power_contact import PowerContact, touching
-from refdem.truth.refiner import Refiner, Size
-from refdem.truth.smooth_flow import SmoothFlow
+from refdem.truth.refiner import Refiner
+from refdem.truth.smooth_flow import derivative_by_start
 
 
-class WedgeCollision(FromCoordinates, ClosedForm, SmoothFlow):
-    """overlap [m] (negative while apart) and v, its rate [m/s], from touch at t = 0."""
+@dataclass(frozen=True)
+class WedgeCollision(ClosedForm):
+    """overlap [m] (negative while apart) and v, its rate [m/s], from touch at t = 0.
+
+    `begin` has both at t = 0.
+    """
 
     state = ("overlap", "v")
     method = (
@@ -34,21 +39,23 @@ class WedgeCollision(FromCoordinates, ClosedForm, SmoothFlow):
     )
     witness = "Taylor integration of both laws, energy, numerical integration"
 
-    def __init__(self, scale: Mapping[str, Size], exact: Mapping[str, Fraction]) -> None:
-        self.refiner = Refiner.of(scale)
-        self.exact = dict(exact)
-        # Overlap and its rate at t = 0.
-        self.begin = (Fraction(0), self.exact["closing_speed"])
+    mass: Fraction
+    k1: Fraction
+    k2: Fraction
+    begin: tuple[Fraction, Fraction]
+
+    displaced = displaced_tuple("begin")
+    jacobian = derivative_by_start
 
     @per_precision
     def approach(self) -> tuple[PowerContact, arb]:
         """The contact on the way in, d'' = -(k2/m) d^2, and the time [s] at which it begins."""
-        return touching(self.exact["mass"], self.exact["k2"], Fraction(2), *self.begin)
+        return touching(self.mass, self.k2, Fraction(2), *self.begin)
 
     @per_precision
     def rate(self) -> arb:
         """The angular frequency w [1/s] of the way out."""
-        return arb_of(self.exact["k1"] / self.exact["mass"]).sqrt()
+        return arb_of(self.k1 / self.mass).sqrt()
 
     def evaluate(self, t: arb) -> dict[str, arb]:
         """Overlap and rate at t: free, in, out as d_m cos(w t) from the turn on, and free."""
@@ -88,7 +95,7 @@ class WedgeCollision(FromCoordinates, ClosedForm, SmoothFlow):
         w = self.rate()
         ratio = arb_of(self.scale["overlap"] / self.scale["v"])
         power = arb_of(Fraction(2, 3))
-        stiffness = arb_of(self.exact["k2"] / self.exact["mass"])
+        stiffness = arb_of(self.k2 / self.mass)
         quick = steepness(2 * stiffness * contact.depth, ratio)
 
         def inward(t: arb) -> arb_mat:
@@ -115,12 +122,14 @@ class WedgeCollision(FromCoordinates, ClosedForm, SmoothFlow):
     def constants(self) -> dict[str, arb]:
         """energy_change k1 d_m^2/2 - m v^2/2 [J], max_overlap d_m [m] and duration [s]."""
         contact, _ = self.approach()
-        before = arb_of(self.exact["mass"] * self.exact["closing_speed"] ** 2 / 2)
-        after = arb_of(self.exact["k1"] / 2) * contact.depth * contact.depth
+        before = arb_of(self.mass * self.begin[1] ** 2 / 2)
+        after = arb_of(self.k1 / 2) * contact.depth * contact.depth
         duration = contact.half + arb.pi() / (2 * self.rate())
         return {"energy_change": after - before, "max_overlap": contact.depth, "duration": duration}
 
 
 def truth(p: Parameters, scale: Mapping[str, float]) -> Truth:
     """The truth of case wedge-collision."""
-    return WedgeCollision(scale, numbers(p, "mass", "k1", "k2", "closing_speed"))
+    exact = numbers(p, "mass", "k1", "k2", "closing_speed")
+    begin = (Fraction(0), exact["closing_speed"])
+    return WedgeCollision(Refiner.of(scale), exact["mass"], exact["k1"], exact["k2"], begin)

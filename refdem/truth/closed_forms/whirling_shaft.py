@@ -18,6 +18,7 @@ where the other one, whose sum with it is -2 b, is at the left of it.
 """
 
 from collections.abc import Mapping
+from dataclasses import dataclass
 from fractions import Fraction
 
 from flint import acb, arb, arb_mat
@@ -25,42 +26,47 @@ from flint import acb, arb, arb_mat
 from refdem.core.parameters import Parameters
 from refdem.core.truth import Truth
 from refdem.truth.balls import arb_of
-from refdem.truth.closed_form import ClosedForm, FromCoordinates, per_precision
+from refdem.truth.closed_form import ClosedForm, displaced_tuple, per_precision
 from refdem.truth.exact import numbers, vector
 from refdem.truth.growth import Grows, Norm, SteadyGrowth, Told, narrow
 from refdem.truth.refiner import Refiner
-from refdem.truth.smooth_flow import SmoothFlow
+from refdem.truth.smooth_flow import derivative_by_start
 
 NAMES = ("x", "y", "vx", "vy")
 
 
-class WhirlingShaft(FromCoordinates, ClosedForm, SmoothFlow):
+@dataclass(frozen=True, kw_only=True)
+class WhirlingShaft(ClosedForm):
     """x, y [m] and vx, vy [m/s] at t from the start `begin` = (x0, y0, vx0, vy0)."""
 
     method = "closed form in the complex plane; double root and border decided in exact rationals"
     witness = "Taylor integration of Newton's law in Cartesian coordinates; power of the dashpots"
     state = NAMES
 
-    def __init__(
-        self,
-        scale: Mapping[str, float],
-        *,
-        mass: Fraction,
-        stiffness: Fraction,
-        outer_damping: Fraction,
-        inner_damping: Fraction,
-        turning: Fraction,
-        begin: tuple[Fraction, ...],
-    ) -> None:
-        self.refiner = Refiner.of(scale)
-        self.outer = outer_damping / mass
-        self.inner = inner_damping / mass
-        self.turning = turning
-        # w0^2, b and n.
-        self.square = stiffness / mass
-        self.decay = (self.outer + self.inner) / 2
-        self.push = self.inner * turning
-        self.begin = begin
+    mass: Fraction
+    stiffness: Fraction
+    outer_damping: Fraction
+    inner_damping: Fraction
+    turning: Fraction
+    begin: tuple[Fraction, ...]
+
+    displaced = displaced_tuple("begin")
+    jacobian = derivative_by_start
+
+    @property
+    def square(self) -> Fraction:
+        """The square w0^2 = k/m of the angular frequency [1/s^2]."""
+        return self.stiffness / self.mass
+
+    @property
+    def decay(self) -> Fraction:
+        """The rate of decay b = (c_e + c_i)/(2 m) [1/s]."""
+        return (self.outer_damping + self.inner_damping) / (2 * self.mass)
+
+    @property
+    def push(self) -> Fraction:
+        """The push n = c_i W/m of the inner damping [1/s^2]."""
+        return self.inner_damping / self.mass * self.turning
 
     @property
     def is_at_border(self) -> bool:
@@ -144,9 +150,11 @@ class WhirlingShaft(FromCoordinates, ClosedForm, SmoothFlow):
     def constants(self) -> dict[str, arb]:
         """The growth rate [1/s], and the turning [rad/s] at the border if anything damps inside."""
         constants = {"growth_rate": self.largest_real_part()}
-        if self.inner:
+        if self.inner_damping:
             # w0 (1 + c_e/c_i).
-            constants["border"] = arb_of(self.square).sqrt() * arb_of(1 + self.outer / self.inner)
+            constants["border"] = arb_of(self.square).sqrt() * arb_of(
+                1 + self.outer_damping / self.inner_damping
+            )
         return constants
 
 
@@ -172,4 +180,4 @@ def truth(p: Parameters, scale: Mapping[str, float]) -> Truth:
     """
     names = ("mass", "stiffness", "outer_damping", "inner_damping", "turning")
     begin = (*vector(p, "x0"), *vector(p, "v0"))
-    return WhirlingShaft(scale, **numbers(p, *names), begin=begin)
+    return WhirlingShaft(refiner=Refiner.of(scale), **numbers(p, *names), begin=begin)

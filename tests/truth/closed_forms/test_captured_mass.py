@@ -41,10 +41,10 @@ def test_energy_and_angular_momentum_about_the_hook_stay():
 
 
 PLANTED = {
-    "turns the other way": lambda t: setattr(t, "spin", -t.spin),
-    "caught too late": lambda t: setattr(t, "caught", t.caught + Fraction(1, 10**20)),
-    "caught at the start": lambda t: setattr(t, "place", t.start[:2]),
-    "omega = v r": lambda t: setattr(t, "speed2", t.speed2 * 16),
+    "turns the other way": lambda t: vars(t).update(spin=-t.spin),
+    "caught too late": lambda t: vars(t).update(caught=t.caught + Fraction(1, 10**20)),
+    "caught at the start": lambda t: vars(t).update(place=t.start[:2]),
+    "omega = v r": lambda t: vars(t).update(speed2=t.speed2 * 16),
 }
 
 

@@ -9,6 +9,7 @@ import pytest
 
 from refdem.errors import NotCertifiedError
 from refdem.truth.closed_forms.coulomb_oscillator import CoulombOscillator, truth
+from refdem.truth.refiner import Refiner
 
 DEFAULTS = {"mass": "1", "stiffness": "1", "friction_force": "0.15", "x0": "1", "v0": "0"}
 SCALE = {"x": 1.0, "v": 1.0}
@@ -112,7 +113,7 @@ def test_without_friction_it_is_harmonic_and_never_stops():
 @pytest.mark.parametrize("t", [Fraction(1), Fraction(3), Fraction(7), Fraction(12)])
 def test_no_small_displacement_grows_beyond_the_sensitivity(scale, t):
     p = {name: Fraction(text) for name, text in DEFAULTS.items()}
-    base = CoulombOscillator(scale, **p)
+    base = CoulombOscillator(refiner=Refiner.of(scale), **p)
     start = base.at(t)
     growth = dict.fromkeys(scale, 0.0)
     for axis, size in enumerate(scale.values()):

@@ -16,6 +16,7 @@ from refdem.truth import rotation
 from refdem.truth.balls import UndecidedError, arb_of, precision
 from refdem.truth.closed_forms.free_rigid_body import FreeRigidBody
 from refdem.truth.free_body import Axisymmetric, Elliptic, Separatrix, Steady
+from refdem.truth.refiner import Refiner
 from tests.quadratic_flows import body_flow
 
 SCALE = dict.fromkeys(
@@ -50,7 +51,7 @@ def exact(text):
 
 
 def body(inertia, omega, attitude=TILTED):
-    return FreeRigidBody(inertia, omega, attitude, SCALE)
+    return FreeRigidBody(Refiner.of(SCALE), inertia, omega, attitude)
 
 
 def misses(truth):

@@ -12,6 +12,7 @@ from flint import arb
 from refdem.core.discovery import case, truth_of
 from refdem.truth.balls import UndecidedError, arb_of, precision
 from refdem.truth.closed_forms.pendulum import Equilibrium, Pendulum, Revolution, Separatrix, Swing
+from refdem.truth.refiner import Refiner
 from tests.quadratic_flows import pendulum_flow
 
 NAMES = ("theta", "thetadot", "x", "y", "rod_force")
@@ -39,14 +40,14 @@ STARTS = [
 def pendulum(theta0, thetadot0, half_turns=0):
     """Unit mass, length and gravity: w0 = 1."""
     one = Fraction(1)
-    p = {
+    exact = {
         "mass": one,
         "length": one,
         "gravity": one,
         "theta0": Fraction(theta0),
         "thetadot0": Fraction(thetadot0),
     }
-    return Pendulum(p, dict.fromkeys(NAMES, 1.0), half_turns=half_turns)
+    return Pendulum(refiner=Refiner.of(dict.fromkeys(NAMES, 1.0)), half_turns=half_turns, **exact)
 
 
 def misses(truth, t=Fraction(5)):
@@ -68,15 +69,15 @@ def test_closed_form_meets_the_taylor_witness(kind, theta0, thetadot0, half_turn
 
 
 PLANTED = {
-    "phase at the start of the wrong sign": ("0.5", "1", lambda m: setattr(m, "shift", -m.shift)),
+    "phase at the start of the wrong sign": ("0.5", "1", lambda m: vars(m).update(shift=-m.shift)),
     "other branch at the start": (
         "0.5",
         "1",
-        lambda m: setattr(m, "shift", 2 * m.jacobi.k - m.shift),
+        lambda m: vars(m).update(shift=2 * m.jacobi.k - m.shift),
     ),
-    "sense of the revolution": ("0.5", "-3", lambda m: setattr(m, "sense", -m.sense)),
-    "modulus off by 1e-20": ("0.5", "-3", lambda m: setattr(m, "k", m.k * (1 + arb("1e-20")))),
-    "side of the separatrix": ("0", "2", lambda m: setattr(m, "sense", -m.sense)),
+    "sense of the revolution": ("0.5", "-3", lambda m: vars(m).update(sense=-m.sense)),
+    "modulus off by 1e-20": ("0.5", "-3", lambda m: vars(m).update(k=m.k * (1 + arb("1e-20")))),
+    "side of the separatrix": ("0", "2", lambda m: vars(m).update(sense=-m.sense)),
 }
 
 

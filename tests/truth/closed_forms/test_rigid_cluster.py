@@ -46,8 +46,8 @@ PLANTED = {
         t.body(), "drift", t.body().drift * (1 + 1e-9)
     ),
     "axes that are left-handed": lambda t: t.axes().__setitem__(2, [-x for x in t.axes()[2]]),
-    "the centre of the points for that of the masses": lambda t: setattr(
-        t, "centre", [c + Fraction(1, 10**20) for c in t.centre]
+    "the centre of the points for that of the masses": lambda t: vars(t).update(
+        centre=[c + Fraction(1, 10**20) for c in t.centre]
     ),
     "spin of the wrong sign": lambda t: setattr(t.body(), "shift", -t.body().shift),
 }

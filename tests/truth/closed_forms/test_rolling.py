@@ -3,6 +3,7 @@ of the truth, what has long been known, borders that are decided exactly, and ho
 """
 
 import random
+from dataclasses import replace
 from fractions import Fraction
 from itertools import product
 
@@ -207,9 +208,8 @@ def test_no_error_made_at_any_time_grows_beyond_s(given, spins):
                 Fraction(now[name].mid) + side * size * Fraction(scale[name])
                 for name, side in zip(STATE, sides, strict=True)
             ]
-            other = CASE.at(**given).truth()
-            other.place, other.speed, other.spin = state
-            other.kept.clear()
+            start = dict(zip(("place", "speed", "spin"), state, strict=True))
+            other = replace(CASE.at(**given).truth(), **start)
             told = other.at(last - made)
             whole = truth.at(last)
             away = [abs(float(told[n].mid - whole[n].mid)) / scale[n] for n in NAMES]

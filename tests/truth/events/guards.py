@@ -15,6 +15,7 @@ from refdem.truth.closed_forms import stick_slip
 from refdem.truth.closed_forms.coulomb_oscillator import CoulombOscillator
 from refdem.truth.events.crossing import SwitchError
 from refdem.truth.events.system import Mode
+from refdem.truth.refiner import Refiner
 from tests.truth.events.systems import (
     bounced,
     bouncing,
@@ -125,7 +126,7 @@ def friction_stops_where_it_must():
     for ever.
     """
     closed = CoulombOscillator(
-        {"x": 1, "v": 1},
+        refiner=Refiner.of({"x": 1, "v": 1}),
         mass=Fraction(1),
         stiffness=Fraction(1),
         friction_force=Fraction(3, 20),

@@ -7,6 +7,7 @@ from flint import arb
 
 from refdem.truth.balls import arb_of, precision
 from refdem.truth.closed_forms.free_rigid_body import FreeRigidBody
+from refdem.truth.refiner import Refiner
 from tests.truth.validated_ivp.fields import (
     at,
     double_pendulum,
@@ -73,11 +74,8 @@ def test_a_free_rigid_body_is_that_of_the_theta_functions():
     start = [Fraction(9, 10), Fraction(11, 10), Fraction(13, 10)]
     inertia = tuple(map(Fraction, (1, 2, 3)))
     unit = tuple(map(Fraction, (1, 0, 0, 0)))
-    truth = (
-        FreeRigidBody(inertia, tuple(start), unit, {**dict.fromkeys(SPINS, 2.0), "attitude.w": 0.5})
-        .refined(60)
-        .at(Fraction(2))
-    )
+    refiner = Refiner.of({**dict.fromkeys(SPINS, 2.0), "attitude.w": 0.5})
+    truth = FreeRigidBody(refiner, inertia, tuple(start), unit).refined(60).at(Fraction(2))
     with precision(256):
         y = at(rigid_body, [*start, 1, 0, 0, 0], 2, bits=220)
         for axis, spin in zip("xyz", y, strict=False):

@@ -25,8 +25,7 @@ The masses are finite and move by less than 1e-20 of the overlap, which the radi
 """
 
 from collections.abc import Iterator, Mapping, Sequence
-from copy import copy
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from fractions import Fraction
 from functools import partial
 from math import floor, log10
@@ -36,10 +35,9 @@ from flint import arb, arb_mat
 
 from refdem.errors import NotCertifiedError
 from refdem.truth.balls import UndecidedError, arb_of, ball_of, precision
-from refdem.truth.closed_form import ClosedForm, per_precision
+from refdem.truth.closed_form import ClosedForm, displaced_part, larger, per_precision
 from refdem.truth.events.crossing import Along, SwitchError, Watched, earliest
 from refdem.truth.growth import Grows, UnsharpError, upper
-from refdem.truth.refiner import Refiner, Size
 from refdem.truth.slopes import Sloped, parameters
 from refdem.truth.swept_growth import Span, largest_growth
 
@@ -71,8 +69,12 @@ class Passing:
     friction: Fraction
     spin: Fraction
     lever: Fraction
-    start: tuple[Fraction, Fraction, Fraction, Fraction]
+    start: tuple[Fraction, ...]
     frame: Matrix
+
+    def displaced(self, axis: int, amount: Fraction) -> Self:
+        """The path from a start whose coordinate `axis` is larger by exactly `amount`."""
+        return replace(self, start=larger(self.start, axis, amount))
 
 
 @dataclass(frozen=True)
@@ -111,6 +113,7 @@ class Piece:
     constant: arb
 
 
+@dataclass(frozen=True)
 class ContactPath(ClosedForm):
     """The truth of a passing: the impulse [N s] and turning impulse [N m s] that body 1 has got by
     time t, and position [m] and velocity [m/s] of body 2.
@@ -123,9 +126,9 @@ class ContactPath(ClosedForm):
         " extrapolation"
     )
 
-    def __init__(self, scale: Mapping[str, Size], path: Passing) -> None:
-        self.refiner = Refiner.of(scale)
-        self.path = path
+    path: Passing
+
+    displaced = displaced_part("path")
 
     def refuse_more_digits(self, t: arb) -> None:
         """Raises NotCertifiedError where more digits are asked for than the finite masses leave, at
@@ -154,15 +157,6 @@ class ContactPath(ClosedForm):
             bound = ball_of(total_bound(self.path) * arb_of(spread))
         one_digit = self.refiner.to(0).target()
         return floor(log10(one_digit / (bound.mid + bound.radius)))
-
-    def displaced(self, axis: int, amount: Fraction) -> Self:
-        """The path from a start whose coordinate `axis` is larger by `amount`."""
-        start = list(self.path.start)
-        start[axis] += amount
-        other = copy(self)
-        other.kept = {}
-        other.path = Passing(**{**vars(self.path), "start": tuple(start)})
-        return other
 
     @per_precision
     def numbers(self) -> dict[str, Any]:

@@ -12,31 +12,32 @@ far, and does not come back: rolling needs no friction on a wall with the lever 
 Fawcett 1976 for the limit).
 """
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, field, replace
 from fractions import Fraction
 from functools import partial
-from typing import Protocol
+from typing import Any, Protocol, Self
 
 from flint import arb, arb_mat
 
-from refdem.truth.balls import Guarded, UndecidedError, arb_of
-from refdem.truth.closed_form import ClosedForm, FromCoordinates, per_precision
+from refdem.truth.balls import UndecidedError, arb_of
+from refdem.truth.closed_form import ClosedForm, displaced_part, larger, per_precision
 from refdem.truth.exact import sign_of
 from refdem.truth.growth import Grows, Growth, Norm, Stretch, between_scales, most, narrow, smooth
 from refdem.truth.line_growth import homogeneous
 from refdem.truth.power_contact import PowerContact, touching
 from refdem.truth.reals import Number
-from refdem.truth.refiner import Refiner, Size
-from refdem.truth.smooth_flow import SmoothFlow
+from refdem.truth.smooth_flow import derivative_by_start
 
 HERTZ = Fraction(3, 2)
 STATE = ("r.x", "r.y", "v.x", "v.y", "omega.z")
 STILL = ("r.z", "v.z", "omega.x", "omega.y")
 
 
-class AgainstWall(FromCoordinates, Guarded):
-    """The part that all impacts of Hertz's law on a wall share: the start, and the normal motion,
-    which no friction changes.
+@dataclass(frozen=True, kw_only=True)
+class Strike:
+    """A sphere that strikes a wall under Hertz's law: the start, and the normal motion, which no
+    friction changes.
 
     `begin` is (x, y, v_x, v_y, omega) at t = 0.
     """
@@ -45,26 +46,12 @@ class AgainstWall(FromCoordinates, Guarded):
     radius: Fraction
     stiffness: Number
     friction: Fraction
+    begin: tuple[Number, ...]
+    kept: dict[Any, Any] = field(default_factory=dict, init=False, compare=False, repr=False)
 
-    def strike(
-        self,
-        *,
-        mass: Number,
-        radius: Fraction,
-        stiffness: Number,
-        friction: Fraction,
-        normal: Number,
-        across: Number,
-        spin: Fraction,
-    ) -> None:
-        """Sets the exact numbers: the sphere touches the wall with the velocity (normal, across)
-        and the spin.
-        """
-        self.mass = mass
-        self.radius = radius
-        self.stiffness = stiffness
-        self.friction = friction
-        self.begin = (-radius, Fraction(0), normal, across, spin)
+    def displaced(self, axis: int, amount: Fraction) -> Self:
+        """The strike from a start whose coordinate `axis` is larger by exactly `amount`."""
+        return replace(self, begin=larger(self.begin, axis, amount))
 
     @per_precision
     def contact(self) -> tuple[PowerContact, arb]:
@@ -115,7 +102,16 @@ class AgainstWall(FromCoordinates, Guarded):
         return overlap, -contact.speed + arb(0, rate_change.abs_upper())
 
 
-class HertzWallImpact(AgainstWall, ClosedForm, SmoothFlow):
+def touching_sphere(
+    *, normal: Number, across: Number, spin: Fraction, radius: Fraction, **numbers: Any
+) -> Strike:
+    """A sphere that touches the wall at t = 0 with the velocity (normal, across) and the spin."""
+    begin = (-radius, Fraction(0), normal, across, spin)
+    return Strike(radius=radius, begin=begin, **numbers)
+
+
+@dataclass(frozen=True)
+class HertzWallImpact(ClosedForm):
     """The truth of an impact: position [m], velocity [m/s], angular velocity [rad/s] at t >= 0."""
 
     state = STATE
@@ -125,34 +121,16 @@ class HertzWallImpact(AgainstWall, ClosedForm, SmoothFlow):
     )
     witness = "Taylor integration in w = sqrt(overlap), friction by its own law"
 
-    def __init__(
-        self,
-        scale: Mapping[str, Size],
-        *,
-        mass: Number,
-        radius: Fraction,
-        stiffness: Number,
-        friction: Fraction,
-        normal: Number,
-        across: Number,
-        spin: Fraction,
-    ) -> None:
-        self.refiner = Refiner.of(scale)
-        self.strike(
-            mass=mass,
-            radius=radius,
-            stiffness=stiffness,
-            friction=friction,
-            normal=normal,
-            across=across,
-            spin=spin,
-        )
+    strike: Strike
+
+    displaced = displaced_part("strike")
+    jacobian = derivative_by_start
 
     @per_precision
     def growth(self) -> Grows:
         """How errors of STATE grow, from the stretches below."""
         rows = Norm([1] * len(STATE))
-        return Growth(self.stretches(), rows, step=narrow(1 / self.contact()[0].half))
+        return Growth(self.stretches(), rows, step=narrow(1 / self.strike.contact()[0].half))
 
     def stretches(self) -> Iterator[Stretch]:
         """The stretches of time along which errors of STATE grow smoothly, in scales.
@@ -163,14 +141,14 @@ class HertzWallImpact(AgainstWall, ClosedForm, SmoothFlow):
         once for every error that is made while the sphere rolls under pressure, v_y loses 2/7 of
         the slip and omega 5/7 of it over R (`held`).
         """
-        contact, touch = self.contact()
+        contact, touch = self.strike.contact()
         parted = touch + 2 * contact.half
         stop = self.stop()
-        slides = bool(self.friction and self.slip())
+        slides = bool(self.strike.friction and self.strike.slip())
         held = self.scaled_errors(self.held())
         if touch > 0:
             # With friction and no slip an error of the slip is held at touch.
-            if self.friction and not slides:
+            if self.strike.friction and not slides:
                 jump = held
             else:
                 jump = None
@@ -178,7 +156,7 @@ class HertzWallImpact(AgainstWall, ClosedForm, SmoothFlow):
             begin = touch
         else:
             begin = arb(0)
-        if not self.friction:
+        if not self.strike.friction:
             free = partial(self.later, self.errors(0), begin)
             yield smooth(begin, None, free, quickness=self.quick)
             return
@@ -202,14 +180,14 @@ class HertzWallImpact(AgainstWall, ClosedForm, SmoothFlow):
         The largest row sum: the force per mass has the slope (3/2)(k/m) sqrt(d) by x, friction mu
         and its torque 5 mu/(2 R) of that; positions change with velocities.
         """
-        contact, _ = self.contact()
+        contact, _ = self.strike.contact()
         slope = (
-            arb_of(HERTZ * self.stiffness / self.mass)
+            arb_of(HERTZ * self.strike.stiffness / self.strike.mass)
             * contact.depth.sqrt()
             * arb_of(self.scale["r.x"])
         )
-        mu = arb_of(self.friction)
-        turning = mu * slope * arb_of(Fraction(5, 2) / self.radius)
+        mu = arb_of(self.strike.friction)
+        turning = mu * slope * arb_of(Fraction(5, 2) / self.strike.radius)
         row_sums = [
             slope / arb_of(self.scale["v.x"]),
             mu * slope / arb_of(self.scale["v.y"]),
@@ -225,18 +203,18 @@ class HertzWallImpact(AgainstWall, ClosedForm, SmoothFlow):
         Two of the normal motion with what friction makes of them while it slides (`slides` is 1,
         else 0), one each of y, v_y and omega.
         """
-        _, touch = self.contact()
-        k_over_m = arb_of(self.stiffness / self.mass)
+        _, touch = self.strike.contact()
+        k_over_m = arb_of(self.strike.stiffness / self.strike.mass)
         # The overlap goes with the speed at touch to the power 2/(n + 1).
         power = arb_of(Fraction(2) / (HERTZ + 1))
-        side = sign_of(self.slip())
-        mu = arb_of(self.friction * side * slides)
-        mu_turn = mu * arb_of(Fraction(5, 2) / self.radius)
+        side = sign_of(self.strike.slip())
+        mu = arb_of(self.strike.friction * side * slides)
+        mu_turn = mu * arb_of(Fraction(5, 2) / self.strike.radius)
         zero = arb(0)
         one = arb(1)
 
         def columns(t: arb) -> arb_mat:
-            overlap, rate = self.normal_at(t)
+            overlap, rate = self.strike.normal_at(t)
             if overlap > 0:
                 acceleration = -k_over_m * overlap * overlap.sqrt()
             else:
@@ -269,7 +247,7 @@ class HertzWallImpact(AgainstWall, ClosedForm, SmoothFlow):
         v_y loses 2/7 of the slip v_y + R omega and omega 5/7 of it over R.
         """
         rows = [[arb(int(i == j)) for j in range(5)] for i in range(5)]
-        radius = arb_of(self.radius)
+        radius = arb_of(self.strike.radius)
         rows[3][3] = arb_of(Fraction(5, 7))
         rows[3][4] = -arb_of(Fraction(2, 7)) * radius
         rows[4][3] = -arb_of(Fraction(5, 7)) / radius
@@ -288,11 +266,11 @@ class HertzWallImpact(AgainstWall, ClosedForm, SmoothFlow):
         d = d_m (1 - u^2)^a by the energy. Raises UndecidedError where balls cannot tell that from
         the end of the contact.
         """
-        contact, touch = self.contact()
-        if not self.friction or not self.slip():
+        contact, touch = self.strike.contact()
+        if not self.strike.friction or not self.strike.slip():
             return None
-        impulse = arb_of(Fraction(2, 7) * self.slip_size() / self.friction)
-        u = (arb_of(self.begin[2]) - impulse) / contact.speed
+        impulse = arb_of(Fraction(2, 7) * self.strike.slip_size() / self.strike.friction)
+        u = (arb_of(self.strike.begin[2]) - impulse) / contact.speed
         if u < -1:
             return None
         if not u > -1:
@@ -307,12 +285,12 @@ class HertzWallImpact(AgainstWall, ClosedForm, SmoothFlow):
         y = y(0) + v_y(0) t - side mu I, where I is the integral of the impulse P = v_x(0) - v_x,
         v_x(0) t - (d - d(0)); from the end of the slip on the P of friction is constant.
         """
-        x, y, vx, vy, spin = (arb_of(value) for value in self.begin)
-        overlap, rate = self.normal(t)
-        side = sign_of(self.slip())
-        mu = arb_of(self.friction * side)
+        x, y, vx, vy, spin = (arb_of(value) for value in self.strike.begin)
+        overlap, rate = self.strike.normal(t)
+        side = sign_of(self.strike.slip())
+        mu = arb_of(self.strike.friction * side)
         stop = self.stop()
-        first_overlap = x + arb_of(self.radius)
+        first_overlap = x + arb_of(self.strike.radius)
         impulse = vx - rate
         integral = vx * t - (overlap - first_overlap)
         after_stop = arb(0)
@@ -321,13 +299,13 @@ class HertzWallImpact(AgainstWall, ClosedForm, SmoothFlow):
             if not (t < stop_time or t > stop_time):
                 raise UndecidedError("whether it slides still")
             if t > stop_time:
-                impulse = arb_of(Fraction(2, 7) * self.slip_size() / self.friction)
+                impulse = arb_of(Fraction(2, 7) * self.strike.slip_size() / self.strike.friction)
                 integral = vx * stop_time - (stop_overlap - first_overlap)
                 after_stop = impulse * (t - stop_time)
-        position_x = overlap - arb_of(self.radius)
+        position_x = overlap - arb_of(self.strike.radius)
         position_y = y + vy * t - mu * (integral + after_stop)
         velocity_y = vy - mu * impulse
-        omega = spin - mu * impulse * arb_of(Fraction(5, 2) / self.radius)
+        omega = spin - mu * impulse * arb_of(Fraction(5, 2) / self.strike.radius)
         state = (position_x, position_y, rate, velocity_y, omega)
         return dict(zip((*STATE, *STILL), (*state, *(arb(0),) * 4), strict=True))
 
@@ -339,23 +317,22 @@ class HertzWallImpact(AgainstWall, ClosedForm, SmoothFlow):
 class Impact(Protocol):
     """An impact on a wall, as far as its scalars are computed from it."""
 
-    stiffness: Number
-
-    def contact(self) -> tuple[PowerContact, arb]: ...
+    @property
+    def strike(self) -> Strike: ...
 
     def evaluate(self, t: arb) -> dict[str, arb]: ...
 
 
 def impact_constants(impact: Impact) -> dict[str, arb]:
     """The scalars: duration [s], largest overlap [m] and force [N], rebounding v_y and omega."""
-    contact, touch = impact.contact()
+    contact, touch = impact.strike.contact()
     max_overlap = contact.depth
     # Half a duration after the end of the contact, where nothing changes any more.
     rebound = impact.evaluate(touch + 3 * contact.half)
     return {
         "duration": 2 * contact.half,
         "max_overlap": max_overlap,
-        "max_force": arb_of(impact.stiffness) * max_overlap * max_overlap.sqrt(),
+        "max_force": arb_of(impact.strike.stiffness) * max_overlap * max_overlap.sqrt(),
         "rebound_across": rebound["v.y"],
         "rebound_spin": rebound["omega.z"],
     }

@@ -20,7 +20,7 @@ A contact has three legs (INWARD, TURNING, OUTWARD) with a coordinate x each, wh
 where a leg and x are meant. The slip at the start is counted as positive; `side` has its sign.
 """
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import partial
@@ -28,12 +28,12 @@ from functools import partial
 from flint import arb, arb_mat
 
 from refdem.truth.balls import UndecidedError, arb_of
-from refdem.truth.closed_form import ClosedForm, per_precision
+from refdem.truth.closed_form import ClosedForm, displaced_part, per_precision
 from refdem.truth.closed_forms.impact_benchmarks.hertz_wall import (
     HERTZ,
     STATE,
     STILL,
-    AgainstWall,
+    Strike,
     impact_constants,
 )
 from refdem.truth.events.crossing import Along, SwitchError, Watched, earliest
@@ -50,9 +50,7 @@ from refdem.truth.growth import (
 )
 from refdem.truth.line_growth import homogeneous
 from refdem.truth.mindlin_spring import INWARD, OUTWARD, MindlinSpring, Stretched, root, started
-from refdem.truth.reals import Number
-from refdem.truth.refiner import Refiner, Size
-from refdem.truth.smooth_flow import SmoothFlow
+from refdem.truth.smooth_flow import derivative_by_start
 
 COORDINATES = (*STATE, "stretch")
 """The coordinates of an error that grows: the stretch is one, because the spring remembers it."""
@@ -138,7 +136,8 @@ class Phase:
         return slope * spring.pace(leg, x), self.displacement + stretch - self.stretch
 
 
-class MindlinWallImpact(AgainstWall, ClosedForm, SmoothFlow):
+@dataclass(frozen=True)
+class MindlinWallImpact(ClosedForm):
     """The truth of an impact: position [m], velocity [m/s], angular velocity [rad/s] at t >= 0.
 
     `friction` mu and `stiffness_ratio` k_t/k are not 0. At t = 0 the sphere touches the wall with
@@ -152,30 +151,11 @@ class MindlinWallImpact(AgainstWall, ClosedForm, SmoothFlow):
     )
     witness = "Taylor integration in w = sqrt(overlap), switches found anew"
 
-    def __init__(
-        self,
-        scale: Mapping[str, Size],
-        *,
-        mass: Number,
-        radius: Fraction,
-        stiffness: Number,
-        stiffness_ratio: Fraction,
-        friction: Fraction,
-        normal: Number,
-        across: Number,
-        spin: Fraction,
-    ) -> None:
-        self.refiner = Refiner.of(scale)
-        self.strike(
-            mass=mass,
-            radius=radius,
-            stiffness=stiffness,
-            friction=friction,
-            normal=normal,
-            across=across,
-            spin=spin,
-        )
-        self.stiffness_ratio = stiffness_ratio
+    strike: Strike
+    stiffness_ratio: Fraction
+
+    displaced = displaced_part("strike")
+    jacobian = derivative_by_start
 
     @per_precision
     def phases(self) -> list[Phase]:
@@ -184,11 +164,11 @@ class MindlinWallImpact(AgainstWall, ClosedForm, SmoothFlow):
         Raises UndecidedError where balls cannot tell the slip from the rate of the limit at touch,
         SwitchError for a contact of more than MOST phases.
         """
-        contact, _ = self.contact()
+        contact, _ = self.strike.contact()
         spring = MindlinSpring(contact, self.stiffness_ratio)
         # A displaced start may overlap already; its spring is not stretched then either.
-        overlap = self.begin[0] + self.radius
-        slip = arb_of(self.slip_size())
+        overlap = self.strike.begin[0] + self.strike.radius
+        slip = arb_of(self.strike.slip_size())
         zero = arb(0)
         if overlap > 0:
             x = arb_of(overlap) / contact.depth
@@ -223,11 +203,11 @@ class MindlinWallImpact(AgainstWall, ClosedForm, SmoothFlow):
 
     def limit_slope(self) -> arb:
         """g = mu k/k_t: the stretch at Coulomb's limit is g d."""
-        return arb_of(self.friction / self.stiffness_ratio)
+        return arb_of(self.strike.friction / self.stiffness_ratio)
 
     def sliding(self, spring: MindlinSpring, side: int, leg: int, x: arb, slip: arb) -> Sliding:
         """The slide to a side that begins at x of a leg with this slip [m/s]."""
-        return Sliding(spring, side, leg, x, slip, arb_of(Fraction(7, 2) * self.friction))
+        return Sliding(spring, side, leg, x, slip, arb_of(Fraction(7, 2) * self.strike.friction))
 
     def after_slide(self, last: Phase) -> tuple[Phase, arb, int] | None:
         """The stick after a slide, the x where it begins, and `at_limit`; None if there is none.
@@ -260,7 +240,7 @@ class MindlinWallImpact(AgainstWall, ClosedForm, SmoothFlow):
         assert isinstance(motion, Stretched)
         spring = motion.spring
         end = motion.spring.ends(motion.leg)[1]
-        if not self.slip():
+        if not self.strike.slip():
             return None
         guards = [self.guard(motion, side, x, at_limit) for side in (1, -1)]
         crossing = earliest(guards, x, end)
@@ -307,9 +287,9 @@ class MindlinWallImpact(AgainstWall, ClosedForm, SmoothFlow):
         Both with the slip at the start counted as positive. Before and after the contact the slip
         is constant.
         """
-        contact, touch = self.contact()
+        contact, touch = self.strike.contact()
         since = t - touch
-        first_slip = arb_of(self.slip_size())
+        first_slip = arb_of(self.strike.slip_size())
         if touch > 0:
             free_time = touch
         else:
@@ -366,10 +346,10 @@ class MindlinWallImpact(AgainstWall, ClosedForm, SmoothFlow):
         v_y = 2/7 slip + 5/7 w with slip = v_y + R omega, and w = v_y - 2/5 R omega constant; y is
         the integral of that.
         """
-        _, y, _, vy, spin = (arb_of(value) for value in self.begin)
-        depth, rate = self.normal(t)
-        side = sign_of(self.slip())
-        radius = arb_of(self.radius)
+        _, y, _, vy, spin = (arb_of(value) for value in self.strike.begin)
+        depth, rate = self.strike.normal(t)
+        side = sign_of(self.strike.slip())
+        radius = arb_of(self.strike.radius)
         slip, displacement = self.across(t)
         w = vy - arb_of(Fraction(2, 5)) * radius * spin
         two_sevenths = arb_of(Fraction(2, 7))
@@ -395,7 +375,7 @@ class MindlinWallImpact(AgainstWall, ClosedForm, SmoothFlow):
             rows,
             lambda t: readings,
             error_coordinates=range(read),
-            step=narrow(1 / self.contact()[0].half),
+            step=narrow(1 / self.strike.contact()[0].half),
         )
 
     def stretches(self) -> Iterator[Stretch]:
@@ -408,13 +388,13 @@ class MindlinWallImpact(AgainstWall, ClosedForm, SmoothFlow):
         itself either changes when the sphere touches or leaves some overlap and no stretch: the
         free motion before the start has the former.
         """
-        contact, touch = self.contact()
+        contact, touch = self.strike.contact()
         if not touch.is_zero():
             raise UndecidedError("a start that does not touch yet, or overlaps")
         # A short flight before touch, of any length.
         flight = arb(2) ** -12 * self.dyadic_half()
         phases = self.phases_and_legs()
-        slip = arb_of(self.slip_size())
+        slip = arb_of(self.strike.slip_size())
         # A stick from touch on: ds = s' dt = slip dd/d'.
         if isinstance(phases[0].motion, Stretched):
             stretch_by_overlap = slip / contact.speed
@@ -496,7 +476,7 @@ class MindlinWallImpact(AgainstWall, ClosedForm, SmoothFlow):
 
     def dyadic_half(self) -> arb:
         """An exact number near the time [s] from touch to the largest overlap."""
-        return self.contact()[0].half.mid()
+        return self.strike.contact()[0].half.mid()
 
     @per_precision
     def sizes(self) -> list[arb]:
@@ -520,7 +500,7 @@ class MindlinWallImpact(AgainstWall, ClosedForm, SmoothFlow):
         d^(3/2): its derivative by d is at most 3/2 mu (k/m) sqrt(d), that by s (k_t/m) sqrt(d). The
         overlap d is at most what it would be at its first speed from touch on, or to the end.
         """
-        contact, _ = self.contact()
+        contact, _ = self.strike.contact()
         since_touch = (begin + times).upper()
         until_end = (2 * contact.half - begin - times).upper()
         nearest_end = arb.max(arb(0), arb.min(since_touch, until_end))
@@ -537,10 +517,13 @@ class MindlinWallImpact(AgainstWall, ClosedForm, SmoothFlow):
         much for omega.
         """
         x, y, vx, vy, spin, stretch = self.sizes()
-        k_over_m = arb_of(self.stiffness / self.mass)
+        k_over_m = arb_of(self.strike.stiffness / self.strike.mass)
         normal = arb_of(HERTZ) * k_over_m * x
-        across = arb_of(self.friction) * normal + arb_of(self.stiffness_ratio) * k_over_m * stretch
-        radius = arb_of(self.radius)
+        across = (
+            arb_of(self.strike.friction) * normal
+            + arb_of(self.stiffness_ratio) * k_over_m * stretch
+        )
+        radius = arb_of(self.strike.radius)
         turning = across * arb_of(Fraction(5, 2)) / (radius * spin)
         by_root = most([normal / vx, across / vy, turning])
         constant = most([vx / x, vy / y, (vy + radius * spin) / stretch])
@@ -557,10 +540,10 @@ class MindlinWallImpact(AgainstWall, ClosedForm, SmoothFlow):
         A shift in time, and a change of the speed at touch v_n per part of it (line_growth.py):
         overlap goes with v_n^(4/5).
         """
-        depth, rate = self.normal_at(t)
+        depth, rate = self.strike.normal_at(t)
         acceleration = arb(0)
         if depth > 0:
-            acceleration = -arb_of(self.stiffness / self.mass) * depth * depth.sqrt()
+            acceleration = -arb_of(self.strike.stiffness / self.strike.mass) * depth * depth.sqrt()
         power = arb_of(Fraction(4, 5))
         columns = homogeneous(depth, rate, acceleration, t, power, arb(1)).table()
         (x1, x2), (v1, v2) = columns
@@ -572,8 +555,8 @@ class MindlinWallImpact(AgainstWall, ClosedForm, SmoothFlow):
         While it slides (side 0: flies), v_y' = side mu v_x' and omega' = 5/(2 R) v_y': two of the
         normal motion with what friction makes of them, one each of y, v_y, omega and the stretch.
         """
-        mu = arb_of(side * self.friction)
-        mu_turn = mu * arb_of(Fraction(5, 2) / self.radius)
+        mu = arb_of(side * self.strike.friction)
+        mu_turn = mu * arb_of(Fraction(5, 2) / self.strike.radius)
         (x1, v1), (x2, v2) = self.along_errors(t)
         zero = arb(0)
         one = arb(1)
@@ -594,15 +577,17 @@ class MindlinWallImpact(AgainstWall, ClosedForm, SmoothFlow):
         time l^(1/4) times as fast both equations hold again, and the speed at touch is l^(5/4)
         times as large; per part of it s changes by t/5 s', and s' by s'/5 + t/5 s''.
         """
-        depth, rate = self.normal_at(t)
-        contact = self.contact()[0]
+        depth, rate = self.strike.normal_at(t)
+        contact = self.strike.contact()[0]
         spring = motion.spring
         x = self.coordinate(spring, motion.leg, depth / contact.depth, rate / contact.speed)[1]
         pace = spring.pace(motion.leg, x)
         s, slope, _ = motion.at(x)
         slip = slope * pace
         # s'' = -(7 k_t/(2 m)) sqrt(d) s
-        spring_rate = arb_of(Fraction(7, 2) * self.stiffness_ratio * self.stiffness / self.mass)
+        spring_rate = arb_of(
+            Fraction(7, 2) * self.stiffness_ratio * self.strike.stiffness / self.strike.mass
+        )
         slip_rate = -spring_rate * root(depth) * s
         f, g, df, dg = spring.basis(motion.leg, x)
         t_fifth = t / 5
@@ -613,7 +598,7 @@ class MindlinWallImpact(AgainstWall, ClosedForm, SmoothFlow):
         one = arb(1)
         two_sevenths = arb_of(Fraction(2, 7))
         five_sevenths = arb_of(Fraction(5, 7))
-        radius = arb_of(self.radius)
+        radius = arb_of(self.strike.radius)
         row_x = [x1, x2, zero, zero, zero, zero]
         row_y = [*(two_sevenths * value for value in stretches), five_sevenths * t, one]
         row_vx = [v1, v2, zero, zero, zero, zero]

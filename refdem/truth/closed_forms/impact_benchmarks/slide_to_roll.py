@@ -12,52 +12,53 @@ along the floor. The overlap stays m g/k, or, for the neighbouring motions of S,
 at sqrt(k/m).
 """
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
+from dataclasses import dataclass
 from fractions import Fraction
 from functools import partial
 
 from flint import arb, arb_mat
 
 from refdem.truth.balls import UndecidedError, arb_of
-from refdem.truth.closed_form import ClosedForm, FromCoordinates, per_precision
+from refdem.truth.closed_form import ClosedForm, displaced_tuple, per_precision
 from refdem.truth.growth import Grows, Growth, Norm, Stretch, between_scales, narrow, smooth
 from refdem.truth.reals import Number
-from refdem.truth.refiner import Refiner, Size
 
 STATE = ("r.x", "r.y", "v.x", "v.y", "omega.z")
 STILL = ("r.z", "v.z", "omega.x", "omega.y")
 
 
-class SlideToRoll(FromCoordinates, ClosedForm):
+@dataclass(frozen=True, kw_only=True)
+class SlideToRoll(ClosedForm):
     """The truth of the slide: position [m], velocity [m/s], angular velocity [rad/s] at t >= 0.
 
-    `rate2` is k/m [1/s^2], `sag` the overlap m g/k [m] at rest.
+    `begin` has x, the height of the centre above its place of rest, their rates, and the spin at
+    t = 0; `speed` is that of x which is meant, of which neighbouring starts differ.
     """
 
     state = STATE
     method = "closed form: uniform deceleration, then uniform rolling"
     witness = "Taylor series of the motion under its law with all its coordinates"
 
-    def __init__(
-        self,
-        scale: Mapping[str, Size],
-        *,
-        mass: Number,
-        radius: Fraction,
-        stiffness: Fraction,
-        gravity: Fraction,
-        friction: Fraction,
-        speed: Fraction,
-    ) -> None:
-        self.refiner = Refiner.of(scale)
-        self.radius = radius
-        self.gravity = gravity
-        self.friction = friction
-        self.rate2 = stiffness / mass
-        self.speed = speed
-        self.sag = gravity / self.rate2
-        self.begin = (Fraction(0), Fraction(0), speed, Fraction(0), Fraction(0))
-        """x, the height of the centre above its place of rest, their rates, and the spin."""
+    mass: Number
+    radius: Fraction
+    stiffness: Fraction
+    gravity: Fraction
+    friction: Fraction
+    speed: Fraction
+    begin: tuple[Fraction, ...]
+
+    displaced = displaced_tuple("begin")
+
+    @property
+    def rate2(self) -> Number:
+        """The stiffness per mass, k/m [1/s^2]."""
+        return self.stiffness / self.mass
+
+    @property
+    def sag(self) -> Number:
+        """The overlap m g/k [m] at rest."""
+        return self.gravity / self.rate2
 
     @per_precision
     def growth(self) -> Grows:
