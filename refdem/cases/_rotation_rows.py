@@ -108,16 +108,26 @@ def _euler_rows(p: Parameters) -> list[Row]:
         ("near-rates", "euler-rates", [near, omega]),
         ("near-quaternion", "quaternion-of-euler", [near]),
         ("near-quaternion-rate", "rate", ["near-quaternion", omega]),
+        ("rate-matrix", "euler-rate-matrix", [euler]),
+        ("rate-inverse", "euler-rate-inverse", [euler]),
+        ("rate-one", "matrix-product", ["rate-inverse", "rate-matrix"]),
     ]
 
 
 def _energy_rows(p: Parameters) -> list[Row]:
-    """Rotational energies of a unit inertia for omega = 2 pi f and for omega = f."""
+    """Rotational energies of a unit inertia for omega = 2 pi f and for omega = f, and the square of
+    the velocity omega x r of a point of a body at r, the first of the shifts, in two ways.
+    """
     unit_inertia = [1.0]
+    omega = p.omega.tolist()
+    arm = p.shifts.tolist()[:3]
     return [
         ("energy", "rotation-energy", [unit_inertia, [2 * np.pi * p.frequency]]),
         ("frequency-energy", "rotation-energy", [unit_inertia, [p.frequency]]),
         ("energy-ratio", "quotient", ["energy", "frequency-energy"]),
+        ("swept", "cross", [omega, arm]),
+        ("swept-square", "vector-dot", ["swept", "swept"]),
+        ("swept-by-products", "cross-square", [omega, arm]),
     ]
 
 
@@ -133,7 +143,13 @@ def sizes(p: Parameters) -> dict[str, float]:
         "euler-rates": omega * steep**2,
         "near-rates": omega * steep_near**2,
         "near-quaternion-rate": omega,
+        "rate-inverse": steep**2,
+        # Roundings of the angles count twice, in both factors.
+        "rate-one": 2 * steep**2,
     }
+    arm = float(np.linalg.norm(p.shifts[:3]))
+    swept = {"swept": omega * arm}
+    swept |= dict.fromkeys(("swept-square", "swept-by-products"), 2 * (omega * arm) ** 2)
     energies = {"energy": energy, "frequency-energy": energy, "energy-ratio": 40.0}
     return {
         "plane-turn": v,
@@ -141,6 +157,7 @@ def sizes(p: Parameters) -> dict[str, float]:
         "mirror": v,
         **rates,
         **energies,
+        **swept,
         "euler-back": np.pi * steep,
         **_sizes_of_cosines(p),
         **_sizes_of_shifts(p),

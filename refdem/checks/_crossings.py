@@ -21,7 +21,7 @@ from refdem.checks._impacts import gap_rates, is_sequence, listed
 from refdem.checks._lying import lies, slip_at_start
 from refdem.core.check import Array, Subject
 from refdem.core.truth import SampledTruth
-from refdem.scene import Scene
+from refdem.scene import Polyhedron, Scene
 from refdem.scene.elements.contact import Contact
 from refdem.scene.elements.force import Force
 from refdem.scene.elements.plane import Plane
@@ -375,6 +375,17 @@ def is_impacts_alone(scene: Scene) -> bool:
         kinds = (Contact, Plane, UniformGravity)
     is_alone = all(isinstance(element, kinds) for element in scene.elements)
     return is_alone and bool((scene.bodies.radius > 0).all())
+
+
+def is_corner_impact(scene: Scene) -> bool:
+    """One polyhedron that does not turn comes down on one smooth plane, and nothing else acts."""
+    laws = scene.all(Contact)
+    bodies = scene.bodies
+    if len(bodies) != 1 or len(scene.all(Plane)) != 1 or len(scene.elements) != 2:
+        return False
+    is_free = not bodies.fixed.any() and not np.any(bodies.omega)
+    is_polyhedron = isinstance(bodies.shape[0], Polyhedron)
+    return is_free and is_polyhedron and laws[0].law == "rigid" and laws[0].friction == 0
 
 
 def _is_above_planes(scene: Scene) -> bool:

@@ -10,7 +10,12 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from refdem.checks._crossings import closing_speed, is_impact, is_impacts_alone
+from refdem.checks._crossings import (
+    closing_speed,
+    is_corner_impact,
+    is_impact,
+    is_impacts_alone,
+)
 from refdem.checks._impacts import listed
 from refdem.checks._kinks import may_straddle, straddled
 from refdem.checks.order import WHOLE
@@ -32,6 +37,7 @@ from refdem.core.refinement import HORIZON, clock, flight, kinked, of_far_places
 from refdem.core.trajectory import Trajectory
 from refdem.core.variant import Change, Variant
 from refdem.mechanics.quaternion import angle_between
+from refdem.scene import Scene
 
 CANCELLING = 0.5
 """Order beyond the claimed one with which an error falls where its leading terms cancel."""
@@ -62,8 +68,12 @@ class Reversal(Check):
         if not subject.instance.scene.is_reversible():
             return "the system gains or loses energy, so its motion is not reversible"
         scene = subject.instance.scene
-        if "contact:rigid" in scene.features and not is_impacts_alone(scene):
-            return "rigid impacts of spheres with each other and with planes alone are run back"
+        runs_back = is_impacts_alone(scene) or is_corner_impact(scene)
+        if "contact:rigid" in scene.features and not runs_back:
+            return (
+                "rigid impacts of spheres with each other and with planes, and of one corner with a"
+                " plane, alone are run back"
+            )
         if subject.method.complete_state:
             return None
         return "the final state of the method is incomplete, so a run cannot be continued from it"
@@ -323,7 +333,7 @@ def _meets_too_soon(subject: Subject, level: float, bound: float) -> str | None:
     if impacts:
         earliest = impacts[0].time - impacts[0].radius
         closing = impacts[0].closing
-    elif is_impact(instance.scene) and "impact_time" in truth.scalars:
+    elif _is_one_impact(instance.scene) and "impact_time" in truth.scalars:
         time, radius = truth.scalars["impact_time"]
         earliest = time - radius
         closing, _ = closing_speed(instance.scene)
@@ -339,6 +349,11 @@ def _meets_too_soon(subject: Subject, level: float, bound: float) -> str | None:
         f"the first impact, {earliest:.3g} s after the start, may come later than the end of the"
         f" run back: steps of {level:.3g} s may be {delay:.3g} s late for it"
     )
+
+
+def _is_one_impact(scene: Scene) -> bool:
+    """True for two spheres, a sphere and a plane, or a box that comes down with one corner."""
+    return is_impact(scene) or is_corner_impact(scene)
 
 
 def _claimed_defect(subject: Subject, level: float) -> float:

@@ -13,6 +13,9 @@ SIZES: dict[str, tuple[tuple[int, ...], int]] = {
     "quotient": ((1, 1), 1),
     "vector-sum": ((3, 3), 3),
     "vector-difference": ((3, 3), 3),
+    "vector-dot": ((3, 3), 1),
+    "cross": ((3, 3), 3),
+    "cross-square": ((3, 3), 1),  # |v|^2 |w|^2 - (v . w)^2, which is |v x w|^2
     "plane-turn": ((1, 2), 2),  # angle, vector: by the matrix (1.9)
     "complex-turn": ((1, 2), 2),  # angle, vector: by exp(i angle)
     # angle: real part and imaginary part >= 0 of an eigenvalue of the matrix (1.9)
@@ -55,6 +58,10 @@ SIZES: dict[str, tuple[tuple[int, ...], int]] = {
     "quaternion-of-euler": ((3,), 4),
     "euler-of-matrix": ((9,), 3),  # theta in [0, pi]
     "euler-rates": ((3, 3), 3),  # Euler angles, omega in space axes
+    # Euler angles: the matrix that takes their rates to omega in space axes, and its inverse in
+    # angles (1.39) to (1.41)
+    "euler-rate-matrix": ((3,), 9),
+    "euler-rate-inverse": ((3,), 9),
     "rate": ((4, 3), 4),  # q' for omega in space axes (1.67)
     "second-rate": ((4, 3, 3), 4),  # q'' for omega and its derivative (1.68)
     "omega-of-rate": ((4, 4), 3),  # 2 q' q* (1.89)

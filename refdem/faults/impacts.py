@@ -117,13 +117,13 @@ def _struck_at_corner(motion: Moving, state: State, number: int) -> None:
     """Makes the impact of a corner and a plane, whose impulse P = -p n turns the body by r x P.
 
     Corners that are as deep are one edge, which meets the plane in its middle; the second of them
-    does not close any more.
+    does not close any more. In steps back in time what has met parts, as time is told forward.
     """
     parts = motion.parts
     world = motion.world
     i, _ = world.pairs[number]
     normal, depth, closing, _ = meeting(world, state, parts, number)
-    if not parts.impacts.meets(closing):
+    if not parts.impacts.meets(closing * motion.sense):
         return
     arms = []
     for other, pair in enumerate(world.pairs):

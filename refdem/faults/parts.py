@@ -146,11 +146,14 @@ Step = Callable[["Moving", State, Loads, Number], tuple[State, Loads]]
 
 
 class Moving:
-    """A world, the parts that move it, and the events so far: time, kind, body."""
+    """A world, the parts that move it, the sense of time (1, or -1 for steps back), and the events
+    so far: time, kind, body.
+    """
 
-    def __init__(self, world: World, parts: Parts) -> None:
+    def __init__(self, world: World, parts: Parts, sense: float = 1.0) -> None:
         self.world = world
         self.parts = parts
+        self.sense = sense
         self.events: list[tuple[float, str, int]] = []
         self.turning = [i for i, turns in enumerate(world.turns) if turns and not world.fixed[i]]
         jointed = {joint.a for joint in world.joints}

@@ -420,6 +420,8 @@ CORNER: Rows = (
     ("samples", "16"),
 )
 """A box that comes down on one corner and turns away."""
+ELASTIC_CORNER: Rows = (*CORNER, ("restitution", "1"))
+"""The same without a loss."""
 CRADLE: Rows = (
     ("balls", "3"),
     ("masses", listed(between(2, 3), between(0.5, 0.75), between(2, 3), *4 * [between(1, 1)])),
@@ -618,6 +620,7 @@ SETTINGS: Mapping[str, Setting] = {
     "grip": Setting("hard-spheres", GRIP, TOUCHING),
     "rebound": Setting("hard-wall", REBOUND, TOUCHING),
     "corner": Setting("corner-impact", CORNER, TOUCHING),
+    "elastic-corner": Setting("corner-impact", ELASTIC_CORNER, TOUCHING),
     "cradle": Setting("newtons-cradle", CRADLE, TOUCHING),
     "break": Setting("billiard-break", BREAK, TOUCHING),
     "elastic-cradle": Setting("newtons-cradle", ELASTIC_CRADLE, TOUCHING),

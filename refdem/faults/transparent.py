@@ -2,6 +2,7 @@
 discovered among the engines.
 """
 
+import math
 from time import perf_counter
 from typing import Any
 
@@ -173,7 +174,8 @@ class Transparent(Engine):
         times = request.problem.times
         number = PRECISIONS[method.precision]
         world = world_of(scene, number)
-        motion = Moving(world, self.parts)
+        sense = math.copysign(1.0, request.problem.interval)
+        motion = Moving(world, self.parts, sense)
         state = start_of(scene, world, self.parts.to_body)
         h = number(request.signed_step)
         state.t = float(times[0])

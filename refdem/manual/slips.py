@@ -3,8 +3,7 @@ settles it, made when it is asked for.
 """
 
 import math
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from collections.abc import Mapping
 from fractions import Fraction
 
 import numpy as np
@@ -12,24 +11,10 @@ import numpy as np
 from refdem.core.discovery import case, truth_of
 from refdem.core.manual import Slip
 from refdem.core.truth import Ball, Truth
+from refdem.manual import attitude_slips, oscillator_slips
+from refdem.manual.slip import KnownSlip, Measured, norm, number, phase_point, vector, vector_of
 from refdem.mechanics.quaternion import conjugate, matrix, product, rotated
 from refdem.mechanics.rotation import about_axis, euler_rates
-
-Measured = tuple[tuple[str, str], ...]
-"""Lines of a measurement: what was measured, and the number found."""
-
-
-@dataclass(frozen=True, kw_only=True)
-class KnownSlip:
-    """A slip: the cases that it concerns, where it is in the chapter, what the chapter says, what
-    holds, and the measurement that settles it.
-    """
-
-    cases: tuple[str, ...]
-    where: str
-    says: str
-    holds: str
-    measure: Callable[[], Measured]
 
 
 def frequency_rises() -> Measured:
@@ -104,21 +89,16 @@ def spin_wanders() -> Measured:
 def _spin_change(omega_body: str) -> float:
     """|omega(3 s) - omega(0)| [rad/s] in space axes of the free rigid body, certified."""
     truth = truth_of("free-rigid-body", omega_body=omega_body)
-    start = _vector_of(truth.at(Fraction(0)), "omega", "xyz")
-    later = _vector_of(truth.at(Fraction(3)), "omega", "xyz")
+    start = vector_of(truth.at(Fraction(0)), "omega", "xyz")
+    later = vector_of(truth.at(Fraction(3)), "omega", "xyz")
     return norm(later - start)
-
-
-def _vector_of(balls: Mapping[str, Ball], name: str, axes: str) -> np.ndarray:
-    """The middles of the certified components of a vector, `name.axis` for every axis."""
-    return np.array([float(balls[f"{name}.{axis}"].mid) for axis in axes])
 
 
 def quaternion_and_rate() -> Measured:
     """Whether q and its derivative commute, on a certified motion."""
     motion = truth_of("free-rigid-body").at(Fraction(1))
-    q = _vector_of(motion, "attitude", "wxyz")
-    omega = np.array([0.0, *_vector_of(motion, "omega", "xyz")])
+    q = vector_of(motion, "attitude", "wxyz")
+    omega = np.array([0.0, *vector_of(motion, "omega", "xyz")])
     # qdot = (0, omega) q / 2, omega in space axes.
     rate = product(omega, q) / 2
     commutator = product(q, rate) - product(rate, q)
@@ -195,7 +175,7 @@ def _crossings_of(truth: Truth) -> int:
     """How often a certified path in the plane of x and v crosses itself in 20 s, by 16 samples a
     second.
     """
-    path = [_point(truth.at(Fraction(n, 16))) for n in range(20 * 16 + 1)]
+    path = [phase_point(truth.at(Fraction(n, 16))) for n in range(20 * 16 + 1)]
     return crossings(np.array(path))
 
 
@@ -234,7 +214,7 @@ def kept_with_minus_integral() -> Measured:
     instance = case("asymmetric-field").at()
     truth = instance.truth()
     t = np.linspace(0.0, float(instance.times[-1]), 2001)
-    x, v = np.array([_point(truth.at(Fraction(s))) for s in t]).T
+    x, v = np.array([phase_point(truth.at(Fraction(s))) for s in t]).T
     mass = float(instance.p.mass)
     # Phi = -integral of F dx by the trapezoidal rule, with F = m dv/dt.
     force = mass * np.gradient(v, t)
@@ -289,7 +269,7 @@ def torque_of_a_free_body() -> Measured:
         turn = np.array(entries).reshape(3, 3)
         tensor = turn @ np.diag([1.0, 2.0, 3.0]) @ turn.T
         tensors.append(tensor)
-        momenta.append(tensor @ _vector_of(balls, "omega", "xyz"))
+        momenta.append(tensor @ vector_of(balls, "omega", "xyz"))
     what = "in space, no torque, J = (1, 2, 3)"
     return (
         (f"|J(3 s) - J(0)| [kg m^2] {what}", number(norm(tensors[1] - tensors[0]))),
@@ -374,11 +354,6 @@ def segment_at_rest() -> Measured:
     )
 
 
-def _point(balls: Mapping[str, Ball]) -> tuple[float, float]:
-    """The middles of the certified place [m] and velocity [m/s]."""
-    return float(balls["x"].mid), float(balls["v"].mid)
-
-
 def crossings(path: np.ndarray) -> int:
     """How many pairs of segments of a polygon (n, 2) cross, neighbours left out."""
     a = path[:-1]
@@ -396,23 +371,6 @@ def _side(p: np.ndarray, q: np.ndarray, r: np.ndarray) -> np.ndarray:
     aside = r - p
     side: np.ndarray = along[..., 0] * aside[..., 1] - along[..., 1] * aside[..., 0]
     return side
-
-
-def norm(values: np.ndarray) -> float:
-    """The Euclidean length of a vector (n,)."""
-    return float(np.linalg.norm(values))
-
-
-def number(value: float) -> str:
-    """Six significant digits; what is round-off is shown as 0."""
-    if abs(value) < 1e-14:
-        return "0"
-    return f"{value:.6g}"
-
-
-def vector(values: np.ndarray) -> str:
-    """The components of a vector (n,), each with six significant digits, as (x, y, z)."""
-    return f"({', '.join(number(float(value)) for value in values)})"
 
 
 SLIPS = (
@@ -565,6 +523,8 @@ SLIPS = (
         ),
         measure=segment_at_rest,
     ),
+    *attitude_slips.SLIPS,
+    *oscillator_slips.SLIPS,
 )
 
 

@@ -112,6 +112,22 @@ def euler_rates(phi: float, theta: float, omega: Array) -> Array:
     return np.array([phi_rate, along, psi_rate])
 
 
+def euler_rate_matrix(phi: float, theta: float) -> Array:
+    """The matrix (3, 3) that takes the rates of Euler angles to omega in space axes: its columns
+    are the axes of the three turns, z, the line of nodes, and the body's third axis.
+    """
+    nodes = [np.cos(phi), np.sin(phi), 0.0]
+    third = [np.sin(phi) * np.sin(theta), -np.cos(phi) * np.sin(theta), np.cos(theta)]
+    return np.column_stack([[0.0, 0.0, 1.0], nodes, third])
+
+
+def euler_rate_inverse(phi: float, theta: float) -> Array:
+    """The matrix (3, 3) that takes omega in space axes to the rates of Euler angles (1.39) to
+    (1.41): its columns are the rates at omega = e_x, e_y and e_z.
+    """
+    return np.column_stack([euler_rates(phi, theta, axis) for axis in np.eye(3)])
+
+
 def quaternion_rate(q: Array, omega: Array) -> Array:
     """q' = (0, omega) q/2 (4,) [1/s], for omega (3,) in space axes (1.67): regular at every
     attitude.

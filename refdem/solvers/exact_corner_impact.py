@@ -13,7 +13,7 @@ from refdem.core.engine import Method
 from refdem.core.problem import Motion, Request
 from refdem.core.trajectory import Cost, Event, Trajectory
 from refdem.mechanics.quaternion import product, rotated, turned_by
-from refdem.scene import Polyhedron, Scene
+from refdem.scene import Polyhedron
 from refdem.scene.elements.contact import Contact
 from refdem.scene.elements.plane import Plane
 from refdem.solvers._scene_pattern import ONE, ScenePattern, SceneSolver
@@ -21,10 +21,14 @@ from refdem.solvers._scene_pattern import ONE, ScenePattern, SceneSolver
 Array = NDArray[np.float64]
 ALIKE = 1e-12
 """Part of the radius by which corners may differ in height and still touch together."""
+MOST_ADVANCES = 200
+"""Steps towards the impact of a box that turns. A corner that is about to touch is reached in a
+few, each of which squares what is left; one that grazes the plane is not.
+"""
 
 
 class ExactCornerImpact(SceneSolver):
-    """A straight line, one impulse, and a straight line with a turn at a constant rate."""
+    """One impulse between two flights on a straight line, each with a turn at a constant rate."""
 
     claims = Method(
         name="exact-corner-impact",
@@ -39,7 +43,6 @@ class ExactCornerImpact(SceneSolver):
         bodies=ONE,
         shape=Polyhedron,
         law="rigid",
-        may_spin=False,
         has_inertia=True,
         in_plane=True,
         irreversible="an impact has forgotten where it came from",
@@ -52,7 +55,7 @@ class ExactCornerImpact(SceneSolver):
         scene = problem.scene
         if scene.all(Contact)[0].friction > 0:
             return "friction on a corner"
-        met = _met(scene)
+        met = _met(problem)
         if isinstance(met, str):
             return met
         lasts = float(problem.times[-1] - problem.times[0]) - met.time
@@ -64,17 +67,20 @@ class ExactCornerImpact(SceneSolver):
         """States at the samples, the energy lost and the impact."""
         begun = perf_counter()
         problem = request.problem
+        assert isinstance(problem, Motion)
         bodies = problem.scene.bodies
-        met = _met(problem.scene)
+        met = _met(problem)
         assert isinstance(met, _Impact)
         started = perf_counter()
         t = problem.times - problem.times[0]
+        until = np.minimum(t, met.time)[:, None, None]
         since = np.maximum(t - met.time, 0.0)[:, None, None]
         has_met = t > met.time
         position = bodies.position + bodies.velocity * t[:, None, None] + met.kick * since
         velocity = bodies.velocity + np.where(has_met[:, None, None], met.kick, 0.0)
-        omega = np.where(has_met[:, None, None], met.omega, 0.0)
-        attitude = product(turned_by(met.omega * since), bodies.attitude)
+        omega = np.where(has_met[:, None, None], met.omega, bodies.omega)
+        # All turns are about z, and commute.
+        attitude = product(turned_by(bodies.omega * until + met.omega * since), bodies.attitude)
         events = []
         if has_met.any():
             events.append(Event(time=float(problem.times[0] + met.time), kind="contact", body=0))
@@ -93,8 +99,8 @@ class ExactCornerImpact(SceneSolver):
 
 @dataclass(frozen=True)
 class _Impact:
-    """When it comes [s], the velocity (3,) [m/s] and the angular velocity (3,) [rad/s] that it
-    gives, the energy [J] that it takes, and how long [s] no corner can come down after it.
+    """When it comes [s], the velocity (3,) [m/s] that it adds, the angular velocity (3,) [rad/s] it
+    leaves, the energy [J] that it takes, and how long [s] no corner can come down after it.
     """
 
     time: float
@@ -105,43 +111,94 @@ class _Impact:
     is_clear_for_ever: bool
 
 
-def _met(scene: Scene) -> _Impact | str:
-    """The impact of the lowest corner, or why there is none that is alone."""
+def _met(problem: Motion) -> _Impact | str:
+    """The first impact of a corner, or why there is none that is alone."""
+    scene = problem.scene
     bodies = scene.bodies
     plane = scene.all(Plane)[0]
     normal = np.array(plane.normal)
     shape: Any = bodies.shape[0]
     arms = rotated(bodies.attitude[0], np.array(shape.vertices))
     radius = float(np.linalg.norm(arms[:, :2], axis=1).max())
+    place = float((bodies.position[0] - np.array(plane.point)) @ normal)
+    fall = _Fall(place, float(bodies.velocity[0] @ normal), float(bodies.omega[0, 2]), normal)
+    duration = float(problem.times[-1] - problem.times[0])
+    time = fall.touch(arms, duration)
+    if time is None:
+        return "a body that does not come down on the plane from above it"
+    arms = rotated(turned_by(np.array([0.0, 0.0, fall.spin * time])), arms)
     heights = arms @ normal
     low = heights < heights.min() + ALIKE * radius
     # The corners of one edge along z touch together, as one corner in the plane of the motion.
     arm = arms[low][0] * np.array([1.0, 1.0, 0.0])
     if np.ptp((arms[low] - arm)[:, :2], axis=0).max() > ALIKE * radius:
         return "a face that meets the plane"
-    gap = float((bodies.position[0] - np.array(plane.point)) @ normal + heights.min())
-    closing = -float(bodies.velocity[0] @ normal)
-    if gap <= 0 or closing <= 0:
-        return "a body that does not come down on the plane from above it"
     mass = float(bodies.mass[0])
     inertia = float(bodies.inertia[0, 2])
     lever = float(arm[0] * normal[1] - arm[1] * normal[0])
+    closing = -(fall.speed + fall.spin * lever)
     # J = (1 + e) c/(1/m + (r x n)^2/I).
     ease = 1 / mass + lever**2 / inertia
     e = scene.all(Contact)[0].restitution
     impulse = (1 + e) * closing / ease
-    rate = lever * impulse / inertia
-    rise = impulse / mass - closing
+    rate = fall.spin + lever * impulse / inertia
+    rise = fall.speed + impulse / mass
     clear = _clear(arms, normal, heights, low, rise, rate, radius)
     above = -float(heights.min())
     return _Impact(
-        time=gap / closing,
+        time=time,
         kick=impulse / mass * normal,
         omega=np.array([0.0, 0.0, rate]),
         lost=(1 - e * e) * closing**2 / (2 * ease),
         clear=clear,
         is_clear_for_ever=rise > 0 and radius - above < rise * clear,
     )
+
+
+@dataclass(frozen=True)
+class _Fall:
+    """The flight before the impact: height of the centre above the plane [m], its velocity along
+    the normal [m/s], the angular velocity about z [rad/s], and the normal (3,).
+    """
+
+    place: float
+    speed: float
+    spin: float
+    normal: Array
+
+    def touch(self, arms: Array, duration: float) -> float | None:
+        """The time [s] at which the first corner touches while it comes down, or None if none does
+        in the duration.
+        """
+        if self.place + float((arms @ self.normal).min()) <= 0:
+            return None
+        if self.spin == 0:
+            if self.speed >= 0:
+                return None
+            return -(self.place + float((arms @ self.normal).min())) / self.speed
+        reach = np.linalg.norm(arms[:, :2], axis=1)
+        bend = reach * self.spin**2
+        t = 0.0
+        for _ in range(MOST_ADVANCES):
+            gap, rising = self.corners(arms, t)
+            lowest = int(np.argmin(gap))
+            # Newton's step from the lowest corner, once it is there to rounding.
+            if gap[lowest] <= ALIKE * reach.max():
+                if rising[lowest] >= 0:
+                    return None
+                return t - float(gap[lowest] / rising[lowest])
+            # No corner comes down before g + u s - R omega^2 s^2/2 is 0.
+            t += float(((rising + np.sqrt(rising**2 + 2 * bend * gap)) / bend).min())
+            if t > duration:
+                return None
+        return None
+
+    def corners(self, arms: Array, t: float) -> tuple[Array, Array]:
+        """Heights (M,) [m] of the corners above the plane at t [s], and their rates [m/s]."""
+        turned = rotated(turned_by(np.array([0.0, 0.0, self.spin * t])), arms)
+        gap = self.place + self.speed * t + turned @ self.normal
+        across = turned[:, 0] * self.normal[1] - turned[:, 1] * self.normal[0]
+        return gap, self.speed + self.spin * across
 
 
 def _clear(

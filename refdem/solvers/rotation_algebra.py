@@ -87,6 +87,9 @@ ANSWERS: dict[str, Callable[..., Any]] = {
     "quotient": np.divide,
     "vector-sum": np.add,
     "vector-difference": np.subtract,
+    "vector-dot": np.dot,
+    "cross": np.cross,
+    "cross-square": lambda v, w: (v @ v) * (w @ w) - (v @ w) ** 2,
     "plane-turn": lambda angle, v: plane(angle) @ v,
     "complex-turn": lambda angle, v: real_and_imaginary(np.exp(1j * angle[0]) * complex(*v)),
     "plane-eigenvalue": lambda angle: upper_eigenvalue(np.linalg.eigvals(plane(angle))),
@@ -124,6 +127,8 @@ ANSWERS: dict[str, Callable[..., Any]] = {
     "quaternion-of-euler": lambda euler: rotation.quaternion_of_euler(*euler),
     "euler-of-matrix": lambda m: rotation.euler_of_matrix(square(m)),
     "euler-rates": lambda euler, omega: rotation.euler_rates(euler[0], euler[1], omega),
+    "euler-rate-matrix": lambda euler: rotation.euler_rate_matrix(euler[0], euler[1]),
+    "euler-rate-inverse": lambda euler: rotation.euler_rate_inverse(euler[0], euler[1]),
     "rate": rotation.quaternion_rate,
     "second-rate": (
         lambda q, omega, rise: (

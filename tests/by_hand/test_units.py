@@ -236,6 +236,12 @@ EXACT = {
     "omega-of-rate": (([1.0, 0, 0, 0], [0.0, 1, 2, 3]), [2, 4, 6]),
     "body-omega-of-rate": ((QUARTER.tolist(), [0.0, R, R, 0.0]), [2, 0, 0]),
     "rotation-energy": (([3.0], [2.0]), [6.0]),
+    "vector-dot": (([1.0, 2, 3], [4.0, -5, 6]), [12.0]),
+    "cross": (([1.0, 2, 3], [4.0, 5, 6]), [-3, 6, -3]),
+    "cross-square": (([1.0, 2, 3], [4.0, 5, 6]), [54.0]),
+    # phi = 0 and theta = pi/2: the third axis of the body is -e_y.
+    "euler-rate-matrix": (([0, np.pi / 2, 1.0],), [0, 1, 0, 0, 0, -1, 1, 0, 0]),
+    "euler-rate-inverse": (([0, np.pi / 2, 1.0],), [0, 0, 1, 1, 0, 0, 0, -1, 0]),
     "first-order-freedom": (([2.0], [0, 0, 1, 0, 0, 1.0], [0, 1, 1, 2.0]), [4.0]),
     "rigid-freedom": (([2.0], [0, 0, 1, 0, 0, 1.0]), [3.0]),
 }

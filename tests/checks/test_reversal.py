@@ -135,6 +135,8 @@ COLLISIONS = [
     ("pymunk", "semi-implicit-euler", "hard-spheres", ELASTIC),
     ("pymunk", "semi-implicit-euler", "hard-wall", {"restitution": "1"}),
     ("pymunk", "semi-implicit-euler", "bouncing-ball", {"restitution": "1", "velocity": "1,-1"}),
+    ("reference", "exact-corner-impact", "corner-impact", {"restitution": "1"}),
+    ("pymunk", "semi-implicit-euler", "corner-impact", {"restitution": "1"}),
     ("rebound", "leapfrog", "hard-spheres", ELASTIC),
     ("rebound", "leapfrog-uncut", "hard-spheres", ELASTIC),
     ("rebound", "leapfrog-line", "newtons-cradle", {}),
@@ -175,6 +177,7 @@ def test_spheres_of_rebound_do_not_collide_in_negative_steps_and_the_check_says_
     [
         ("hard-spheres", {"restitution": "1", "friction": "1/4"}, "not reversible"),
         ("hard-spheres", {"restitution": "1/2"}, "not reversible"),
+        ("corner-impact", {"restitution": "1/2"}, "not reversible"),
         ("newtons-first-law", {"member": "stack"}, "not reversible"),
         ("granular-gas", {"contact": "rigid", "restitution": "1", "n": "64"}, "alone are run back"),
     ],

@@ -266,3 +266,11 @@ def test_only_methods_that_leave_a_fixed_body_where_it_is_take_one():
         run, _ = engine.run(Request(problem=motion, method=method.name, step=0.25))
         assert run.position[-1, 1].tolist() == [0.0, 0.0, 0.0]
         assert run.position[-1, 0, 2] < -0.3
+
+
+@pytest.mark.parametrize("method", ["verlet", "verlet-single"])
+def test_a_box_comes_back_from_its_impact_in_negative_steps(method):
+    instance = discovery.case("corner-impact").at(restitution="1")
+    task = task_of(Transparent(), method, instance, truth_of(instance), 3, ("reversal",))
+    outcomes = {one.quantity: one.outcome for one in record_of(task).findings}
+    assert outcomes == {"reversed": "pass", "backward": "pass"}

@@ -212,7 +212,7 @@ FAULTS = (
     impact(
         name="impact-has-no-way-back",
         sentence="Every impact takes a billionth of the closing speed, on the way back as well.",
-        on=("elastic", "elastic-cradle", "elastic-drop"),
+        on=("elastic", "elastic-cradle", "elastic-drop", "elastic-corner"),
         sees=("reversal", "reversed"),
         inside=_of_impact(normal_impulse=_given_back_but_little),
     ),

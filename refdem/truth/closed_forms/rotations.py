@@ -102,6 +102,44 @@ def euler_matrix(phi: arb, theta: arb, psi: arb) -> list[arb]:
     return [*row_x, *row_y, *row_z]
 
 
+def rate_rows(phi: arb, theta: arb) -> dict[str, list[arb]]:
+    """The matrix that takes rates of Euler's angles to omega in space axes, and its inverse, which
+    is (1.39) to (1.41), row by row.
+    """
+    sine, cosine = phi.sin_cos()
+    zero = arb(0)
+    one = arb(1)
+    cotangent = theta.cos() / theta.sin()
+    matrix_rows = [
+        [zero, cosine, sine * theta.sin()],
+        [zero, sine, -cosine * theta.sin()],
+        [one, zero, theta.cos()],
+    ]
+    inverse_rows = [
+        [-sine * cotangent, cosine * cotangent, one],
+        [cosine, sine, zero],
+        [sine / theta.sin(), -cosine / theta.sin(), zero],
+    ]
+    return {
+        "rate-matrix": [entry for row in matrix_rows for entry in row],
+        "rate-inverse": [entry for row in inverse_rows for entry in row],
+        "rate-one": [one, zero, zero, zero, one, zero, zero, zero, one],
+    }
+
+
+def swept(p: Parameters) -> dict[str, list[arb]]:
+    """omega x r of the point r, and its square, in rational numbers."""
+    a, b, c = vector(p, "omega")
+    x, y, z = vector(p, "shifts")[:3]
+    crossed = [b * z - c * y, c * x - a * z, a * y - b * x]
+    square = sum(component * component for component in crossed)
+    return {
+        "swept": [arb_of(component) for component in crossed],
+        "swept-square": [arb_of(square)],
+        "swept-by-products": [arb_of(square)],
+    }
+
+
 def values(p: Parameters) -> dict[str, list[arb]]:
     """The numbers of every row of the case, by the row's name."""
     frequency = arb_of(number(p, "frequency"))
@@ -115,7 +153,7 @@ def values(p: Parameters) -> dict[str, list[arb]]:
     }
     euler = [arb_of(angle) for angle in vector(p, "euler")]
     step = nine_entries.values(p, euler_matrix(*euler), quaternion(*euler))
-    angles = in_the_plane(p) | of_multiples(p) | by_euler(p)
+    angles = in_the_plane(p) | of_multiples(p) | by_euler(p) | rate_rows(*euler[:2]) | swept(p)
     return quarter_turns | angles | energies | shifted(p) | by_small_turns(p) | step
 
 

@@ -24,7 +24,9 @@ from refdem.truth.witnesses.turns import (
     hamilton,
     of_a_step,
     of_multiples,
+    rate_matrices,
     row_by_row,
+    swept,
 )
 
 PRIME = 2**61 - 1
@@ -497,7 +499,7 @@ def rotations(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claime
     matrix = about("z", phi) * about("x", theta) * about("z", psi)
     stepped = of_a_step(p, matrix, attitude(phi, theta, psi))
     stepped["nine-entries-freedom"] = [freedom_of_nine_entries()]
-    angles = in_the_plane(p) | of_multiples(p) | by_euler(p)
+    angles = in_the_plane(p) | of_multiples(p) | by_euler(p) | rate_matrices(p) | swept(p)
     yield None, listed(quarter_turns() | commuting(p) | angles | stepped | energies)
 
 

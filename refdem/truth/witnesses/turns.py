@@ -98,6 +98,34 @@ def commuting(p: Mapping[str, Exact]) -> dict[str, Sequence[Any]]:
     }
 
 
+def rate_matrices(p: Mapping[str, Exact]) -> dict[str, Sequence[Any]]:
+    """The matrix from rates of Euler's angles to omega, whose columns are the axes of the turns as
+    the turns before carry them, and its inverse by elimination.
+    """
+    phi, theta, _ = (arb_of(x) for x in vector(p, "euler"))
+    first = about("z", phi)
+    second = first * about("x", theta)
+    matrix = arb_mat([[int(i == 2), first[i, 0], second[i, 2]] for i in range(3)])
+    return {
+        "rate-matrix": row_by_row(matrix),
+        "rate-inverse": row_by_row(matrix.inv()),
+        "rate-one": row_by_row(identity()),
+    }
+
+
+def swept(p: Mapping[str, Exact]) -> dict[str, Sequence[Any]]:
+    """omega x r as the pure part of a product of quaternions, and its square by Lagrange's
+    identity.
+    """
+    omega = vector(p, "omega")
+    arm = vector(p, "shifts")[:3]
+    zero = Fraction(0)
+    along, *crossed = hamilton([zero, *omega], [zero, *arm])
+    squares = [sum((x * x for x in v), zero) for v in (omega, arm)]
+    square = squares[0] * squares[1] - along * along
+    return {"swept": crossed, "swept-square": [square], "swept-by-products": [square]}
+
+
 def of_multiples(p: Mapping[str, Exact]) -> dict[str, Sequence[Any]]:
     """Cosines of multiples of the angle: the entry xx of powers of its matrix about z."""
     turn = about("z", arb_of(number(p, "angle")))
