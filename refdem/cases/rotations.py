@@ -33,8 +33,8 @@ class Rotations(AlgebraCase):
         " one. The cosine of a multiple of an angle comes from its powers and by recurrence. Euler"
         " angles come back from their matrix, but their rates diverge where sin"
         " theta = 0, as the inverse of the matrix that takes them to omega does. A point at r of a"
-        " body moves with omega x r, whose square is omega^2 r^2 - (omega . r)^2. The frequency in place of omega = 2 pi f makes the energy 39.48 times too"
-        " small."
+        " body moves with omega x r, whose square is omega^2 r^2 - (omega . r)^2. The frequency in"
+        " place of omega = 2 pi f makes the energy 39.48 times too small."
     )
     latex = (
         r"R=R_z(\phi)R_x(\theta)R_z(\psi),"

@@ -3,6 +3,7 @@
 import difflib
 import re
 from collections.abc import Iterator, Mapping, Sequence
+from copy import copy
 from dataclasses import dataclass
 from fractions import Fraction
 from typing import Any
@@ -152,6 +153,12 @@ class Parameters(Mapping[str, Exact]):
         if isinstance(exact, Fraction):
             return float(exact)
         return exact
+
+    def replaced(self, exact: Mapping[str, Exact]) -> "Parameters":
+        """The same parameters with other exact values of some, which no bound is held against."""
+        other = copy(self)
+        other._exact = self._exact | dict(exact)
+        return other
 
     def texts(self) -> dict[str, str]:
         """Every value as text that `parsed` reads back."""

@@ -15,6 +15,7 @@ from typing import Any, ParamSpec, Self, TypeVar
 from flint import acb, arb, arb_mat, arb_series, ctx, fmpq
 
 from refdem.core.truth import Ball
+from refdem.truth.dual import DualBall, ExactDual, plain
 from refdem.truth.exact import refuse_rounded
 
 CONTEXT = RLock()
@@ -120,7 +121,8 @@ class Enclosed(ABC):
 
 
 def arb_of(value: "Fraction | int | arb | Enclosed") -> arb:
-    """A ball that contains an exact number, at the current precision; a ball is returned as it is.
+    """A ball that contains an exact number, at the current precision, with its derivatives if it is
+    dual; a ball is returned as it is.
 
     All numbers enter a proof through this function: TypeError for a binary64, a Decimal or anything
     else that is rounded.
@@ -129,6 +131,8 @@ def arb_of(value: "Fraction | int | arb | Enclosed") -> arb:
         return value
     if isinstance(value, Enclosed):
         return value.ball()
+    if isinstance(value, ExactDual):
+        return DualBall(arb_of(plain(value)), [arb_of(slope) for slope in value.slopes])
     if isinstance(value, bool) or not isinstance(value, int | Fraction):
         message = (
             f"a proof got {value!r} ({type(value).__name__}); expected an exact rational (Fraction"

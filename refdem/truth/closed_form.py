@@ -19,6 +19,7 @@ from flint import arb, ctx
 
 from refdem.core.truth import Ball, Truth
 from refdem.truth.balls import Guarded, arb_of
+from refdem.truth.dual import Derivatives, flattened, unflattened
 from refdem.truth.growth import Grows
 from refdem.truth.refiner import Refiner, Sensitivity
 
@@ -122,6 +123,18 @@ class ClosedForm(Guarded, Truth):
             lambda: self.evaluate(arb_of(t)), f"at t = {float(t):.17g} s", t, self.evaluated_at_0
         )
         return {name: balls[name] for name in self.reported or balls}
+
+    def derivatives(self, t: Fraction, count: int) -> Derivatives:
+        """The derivatives at t of every quantity by each of `count` parameters, by which the
+        numbers of this truth carry their own derivatives (dual.py).
+        """
+
+        def formula() -> dict[str, arb]:
+            values = self.evaluate(arb_of(t))
+            return flattened({name: values[name] for name in self.reported or values}, count)
+
+        flat = self.refiner.balls(formula, f"derivatives at t = {float(t):.17g} s", t)
+        return unflattened(flat, count)
 
     def scalars(self) -> dict[str, Ball]:
         """Values that do not depend on time."""

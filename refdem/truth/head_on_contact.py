@@ -9,6 +9,7 @@ Schwager and Poeschel, Granular Matter 9 (2007) 465.
 from flint import arb
 
 from refdem.truth.balls import arb_of
+from refdem.truth.dual import atan2
 from refdem.truth.exact import sign_of
 from refdem.truth.sphere_pair import SpherePair
 
@@ -27,7 +28,7 @@ class HeadOnContact:
         self.regime = sign_of(squared)
         self.rate = arb_of(abs(squared)).sqrt()
         if self.regime > 0:
-            self.angle = arb.atan2(self.rate, self.decay)
+            self.angle = atan2(self.rate, self.decay)
         else:
             self.angle = arb(0)
         self.speed = arb_of(pair.closing_speed)

@@ -32,10 +32,10 @@ from flint import arb, arb_mat
 
 from refdem.truth.balls import UndecidedError, arb_of, unit_matrix
 from refdem.truth.closed_form import ClosedForm, larger, per_precision
+from refdem.truth.dual import parameters
 from refdem.truth.growth import Grows, Growth, Norm, Stretch, narrow, smooth
 from refdem.truth.refiner import Refiner, Size
 from refdem.truth.rigid_impact import Impact, Motion
-from refdem.truth.slopes import parameters
 from refdem.truth.surds import Number, sign
 from refdem.truth.vectors import dot
 

@@ -7,12 +7,12 @@ mass with pi in it) is enclosed anew, and better, each time the precision rises.
 
 from collections.abc import Callable
 from fractions import Fraction
-from math import isqrt
 from typing import Any, Union
 
 from flint import arb, ctx
 
 from refdem.truth.balls import Enclosed, UndecidedError, arb_of, precision
+from refdem.truth.dual import rational_root
 
 Number = Union[Fraction, "Real"]
 """What a truth takes for a parameter: an exact rational, or a number that follows from exact ones.
@@ -192,7 +192,7 @@ class Root(Real):
         if isinstance(other, Root):
             return self * other.inverse()
         if isinstance(other, int | Fraction) and other:
-            return self * (1 / Fraction(other))
+            return self * (Fraction(1) / other)
         return super().__truediv__(other)
 
     def __rtruediv__(self, other: Any) -> Any:
@@ -253,14 +253,10 @@ def root(value: Number) -> Number:
     """The root sqrt(value) of value >= 0; a Fraction where that is one."""
     if isinstance(value, Real):
         return Real(lambda: value.ball().sqrt())
-    numerator = isqrt(value.numerator)
-    denominator = isqrt(value.denominator)
-    is_square = (
-        numerator * numerator == value.numerator and denominator * denominator == value.denominator
-    )
-    if is_square:
-        return Fraction(numerator, denominator)
-    return signed_root(value, 1)
+    rational = rational_root(value)
+    if rational is None:
+        return signed_root(value, 1)
+    return rational
 
 
 def sine(angle: Fraction) -> Number:

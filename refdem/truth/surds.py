@@ -6,12 +6,12 @@ place where they touch, the normal there, and whatever is polynomial in these, a
 
 from dataclasses import dataclass
 from fractions import Fraction
-from math import isqrt
 from typing import Union
 
 from flint import arb
 
 from refdem.truth.balls import Enclosed, UndecidedError, arb_of
+from refdem.truth.dual import rational_root
 from refdem.truth.exact import sign_of
 
 Rational = Fraction | int
@@ -69,7 +69,7 @@ class Surd(Enclosed):
 
     def __truediv__(self, other: Union["Surd", Rational]) -> "Surd":
         if not isinstance(other, Surd):
-            return self * (1 / Fraction(other))
+            return self * (Fraction(1) / other)
         # 1/(c + d s) = (c - d s)/(c^2 - d^2 q).
         conjugate = Surd(other.rational, -other.factor, other.square)
         norm = other.rational**2 - other.factor**2 * other.square
@@ -97,8 +97,7 @@ def sign(value: Number | arb) -> int:
 
 def surd(rational: Fraction, factor: Fraction, square: Fraction) -> Surd:
     """rational + factor sqrt(square); the root of a square of a rational is taken."""
-    above = isqrt(square.numerator)
-    below = isqrt(square.denominator)
-    if above * above == square.numerator and below * below == square.denominator:
-        return Surd(rational + factor * Fraction(above, below), Fraction(0), square)
-    return Surd(rational, factor, square)
+    root = rational_root(square)
+    if root is None:
+        return Surd(rational, factor, square)
+    return Surd(rational + factor * root, Fraction(0), square)

@@ -9,11 +9,13 @@ result is not finite, and what is built on it is refused.
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from fractions import Fraction
+from operator import pos
 from typing import Any
 
 from flint import acb, arb, ctx
 
 from refdem.truth.balls import UndecidedError, arb_of
+from refdem.truth.dual import ExactDual, plain, slopes_of
 from refdem.truth.reals import Number, is_number
 
 Operation = tuple[Any, ...]
@@ -28,19 +30,24 @@ class Trace:
     """Operations in the order in which they were written, each kept once.
 
     `known` has the number of each operation, `slopes` the derivative of an operation (by number) by
-    an input.
+    an input. The last `directions` of the `inputs` stand for the parameters that dual numbers
+    (dual.py) depend on: they are 1, and the derivative by one is that by its parameter.
     """
 
+    inputs: int = 0
+    directions: int = 0
     operations: list[Operation] = field(default_factory=list)
     known: dict[Operation, int] = field(default_factory=dict)
     slopes: dict[tuple[int, int], "Node"] = field(default_factory=dict)
 
     def node(self, *operation: Any) -> "Node":
         """The node of an operation, which is added if it is not yet known."""
-        if operation not in self.known:
-            self.known[operation] = len(self.operations)
+        # Dual numbers of the same value are the same operation only with the same derivatives.
+        key = (*operation, *map(slopes_of, operation))
+        if key not in self.known:
+            self.known[key] = len(self.operations)
             self.operations.append(operation)
-        return Node(self, self.known[operation])
+        return Node(self, self.known[key])
 
     def constant(self, value: object) -> "Node":
         """The node of an exact number; a node stays what it is.
@@ -55,7 +62,15 @@ class Trace:
             )
         if isinstance(value, int):
             value = Fraction(value)
-        return self.node("constant", value)
+        slopes = slopes_of(value)
+        if not isinstance(value, ExactDual) or not self.directions:
+            return self.node("constant", value)
+        # c + sum c_k (d_k - 1), where every direction d_k is 1.
+        total = self.node("constant", plain(value) - sum(slopes))
+        for k, slope_of_one in enumerate(slopes):
+            direction = self.node("in", self.inputs - self.directions + k)
+            total = total + direction * slope_of_one
+        return total
 
 
 @dataclass(frozen=True)
@@ -86,9 +101,9 @@ class Node:
         # Sums of constants are made at once, and zeros left out.
         if a is not None and b is not None:
             return self.trace.constant(a + b)
-        if a == 0:
+        if is_just(a, 0):
             return other
-        if b == 0:
+        if is_just(b, 0):
             return self
         return self.trace.node("+", self.index, other.index)
 
@@ -105,9 +120,11 @@ class Node:
         if factor is None:
             return self.trace.node("*", self.index, other.index)
         value = node.exact()
-        if factor == 0 or value is not None:
-            return self.trace.constant(factor * (value or 0))
-        if factor == 1:
+        if value is not None:
+            return self.trace.constant(factor * value)
+        if is_just(factor, 0):
+            return self.trace.constant(0)
+        if is_just(factor, 1):
             return node
         return self.trace.node("scale", factor, node.index)
 
@@ -154,17 +171,24 @@ class Node:
         return self.trace.node(kind, self.index)
 
 
+def is_just(number: Number | None, value: int) -> bool:
+    """True for the exact number of that value that carries no derivatives."""
+    return number is not None and not slopes_of(number) and number == value
+
+
 Field = Callable[[Sequence[Any]], Sequence[Any]]
 """f(y) by + - * / and the methods sin, cos, exp, sqrt, with exact constants (Number); time is a
 coordinate with derivative 1.
 """
 
 
-def traced(function: Field, inputs: int) -> tuple[list[Node], list[list[Node]]]:
+def traced(
+    function: Field, inputs: int, directions: int = 0
+) -> tuple[list[Node], list[list[Node]]]:
     """The outputs of a function of `inputs` numbers, and the rows of its Jacobian, as nodes of one
-    trace.
+    trace; the last `directions` of the inputs stand for parameters (Trace).
     """
-    trace = Trace()
+    trace = Trace(inputs, directions)
     arguments = [trace.node("in", i) for i in range(inputs)]
     outputs = [trace.constant(output) for output in function(arguments)]
     jacobian = [[slope(output, i) for i in range(inputs)] for output in outputs]
@@ -232,7 +256,7 @@ class Program:
             self.balls[ctx.prec] = balls
         return self.balls[ctx.prec]
 
-    def run(self, inputs: Sequence[Any], constant: Callable[[arb], Any] = arb) -> list[Any]:
+    def run(self, inputs: Sequence[Any], constant: Callable[[arb], Any] = pos) -> list[Any]:
         """The outputs for these inputs; `constant` makes a number of their kind from a ball."""
         values: list[Any] = []
         for (kind, first, *rest), ball in zip(self.operations, self.constants(), strict=True):

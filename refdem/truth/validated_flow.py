@@ -31,13 +31,14 @@ from flint import arb, arb_mat, ctx
 from refdem.core.truth import Ball, Truth
 from refdem.truth.balls import SPARE, Guarded, UndecidedError, arb_of, ball_of, largest, precision
 from refdem.truth.closed_form import per_precision
+from refdem.truth.dual import Derivatives, DualBall, ball, flattened, slopes_of, unflattened
 from refdem.truth.forecast import Course, follow
 from refdem.truth.growth import Growth, Norm, Stretch, smooth
 from refdem.truth.reals import Number
 from refdem.truth.refiner import Refiner, Sensitivity, Size
 from refdem.truth.scout import Scout
 from refdem.truth.traced_field import Field, Program, traced
-from refdem.truth.validated_ivp.integration import GUARD, Integration, Piece
+from refdem.truth.validated_ivp.integration import GUARD, Integration, Piece, Steps
 
 Quantities = Callable[[Sequence[Any]], Mapping[str, Any]]
 """Quantities by name of a state, by the operations of a field; the names of `state` among them."""
@@ -232,6 +233,61 @@ class ValidatedFlow(Guarded, Truth):
     def most_bits(self) -> int:
         """The precision [bit] at which raising it ends."""
         return max(MOST_BITS, 2 * self.bits())
+
+    def derivatives(self, t: Fraction, count: int) -> Derivatives:
+        """The derivatives at t of every quantity by each of `count` parameters, by which the
+        numbers of this truth carry their own derivatives (dual.py).
+
+        The parameters are coordinates of the state with derivative 0 (traced_field.py): the flow's
+        derivative by them comes with that by the start.
+        """
+        self.door(self)
+        return unflattened(
+            self.refiner_now().balls(
+                lambda: flattened(self.evaluated_dual(arb_of(t), count), count),
+                f"derivatives at t = {float(t):.17g} s",
+                t,
+            ),
+            count,
+        )
+
+    def evaluated_dual(self, t: arb, count: int) -> dict[str, arb]:
+        """Every quantity at t with its derivatives by `count` parameters.
+
+        dy_i/dp_k is the sum of dy_i(t)/dy_j(0) dy_j(0)/dp_k over j, and of the derivative of the
+        flow by the parameter.
+        """
+        flow = self.directed(count)
+        state = flow.at(t)
+        table = flow.jacobian(t).table()
+        begin = self.first()
+        size = len(begin)
+        y = []
+        for value, row in zip(state[:size], table, strict=False):
+            slopes = list(row[size:])
+            for by_start, start in zip(row, begin, strict=False):
+                of_start = slopes_of(start) or (0,) * count
+                slopes = [one + by_start * two for one, two in zip(slopes, of_start, strict=True)]
+            y.append(DualBall(value, slopes))
+        values = self.reading.values(y)
+        return {name: values[name] for name in self.reported or values}
+
+    def directed(self, count: int) -> Integration:
+        """The solution with `count` parameters as further coordinates, at the current precision."""
+        key = ("directed", count, ctx.prec)
+        if key not in self.kept:
+            size = len(self.begin)
+
+            def field(y: Sequence[Any]) -> list[Any]:
+                return [*self.field(y[:size]), *[0] * count]
+
+            def first() -> list[arb]:
+                return [*(ball(value) for value in self.first()), *[arb(1)] * count]
+
+            steps = Steps(jacobian_bits=ctx.prec)
+            self.kept[key] = Integration(field, first, ctx.prec, steps, directions=count)
+        integration: Integration = self.kept[key]
+        return integration
 
     def integration(self) -> Integration:
         """The solution at the current precision, kept with the pieces that it has made."""

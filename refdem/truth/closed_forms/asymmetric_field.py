@@ -22,6 +22,7 @@ from refdem.core.truth import Truth
 from refdem.errors import NotCertifiedError
 from refdem.truth.balls import UndecidedError, arb_of
 from refdem.truth.closed_form import ClosedForm, displaced_fields, per_precision
+from refdem.truth.dual import atan2
 from refdem.truth.exact import numbers, sign_of
 from refdem.truth.growth import Grows, Growth, Norm, Stretch, narrow, smooth
 from refdem.truth.line_growth import linear
@@ -180,7 +181,7 @@ class AsymmetricField(ClosedForm):
     def lag(self, eta: Fraction, start: Start) -> arb:
         """The phase delta at the start: eta = R cos(delta), v = -R w sin(delta)."""
         v_over_w = start.sense * arb_of(start.square / self.fall).sqrt()
-        return arb.pi() + arb.atan2(v_over_w, arb_of(-eta))
+        return arb.pi() + atan2(v_over_w, arb_of(-eta))
 
     def evaluate(self, t: arb) -> dict[str, arb]:
         """x and v at time t; UndecidedError where balls cannot tell in which phase it lies."""

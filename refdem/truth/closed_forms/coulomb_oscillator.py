@@ -23,6 +23,7 @@ from refdem.core.truth import Truth
 from refdem.errors import NotCertifiedError
 from refdem.truth.balls import UndecidedError, arb_of
 from refdem.truth.closed_form import ClosedForm, displaced_fields, per_precision
+from refdem.truth.dual import atan2
 from refdem.truth.exact import numbers
 from refdem.truth.growth import Grows, Told
 from refdem.truth.refiner import Refiner
@@ -121,7 +122,7 @@ class CoulombOscillator(ClosedForm):
         v_over_w = arb_of(self.v0) / self.rate()
         amplitude = (a * a + v_over_w * v_over_w).sqrt()
         turning_point = heading * (amplitude - arb_of(self.shift))
-        return arb.atan2(abs(v_over_w), heading * a) / self.rate(), turning_point
+        return atan2(abs(v_over_w), heading * a) / self.rate(), turning_point
 
     def turning_time(self, number: int) -> arb:
         """The time [s] of turning point `number`, counted from 0."""

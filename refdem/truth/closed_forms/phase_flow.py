@@ -37,6 +37,7 @@ from refdem.truth.closed_forms import (
     pendulum,
     viscous_oscillator,
 )
+from refdem.truth.dual import atan2
 from refdem.truth.exact import number
 
 Corner = tuple[Fraction, Fraction]
@@ -251,7 +252,7 @@ def _line_integral(a: tuple[arb, arb], b: tuple[arb, arb], radius: arb) -> arb:
     s_begin = _dot(a, along) / length
     s_end = _dot(b, along) / length
     of_r = distance * ((s_end / abs(distance)).asinh() - (s_begin / abs(distance)).asinh())
-    of_angle = arb.atan2(b[1], b[0]) - arb.atan2(a[1], a[0])
+    of_angle = atan2(b[1], b[0]) - atan2(a[1], a[0])
     return (cross - 2 * radius * of_r + radius * radius * of_angle) / 2
 
 

@@ -17,9 +17,10 @@ for 2 b w = n. So one root crosses the axis at
 where the other one, whose sum with it is -2 b, is at the left of it.
 """
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
+from typing import Any
 
 from flint import acb, arb, arb_mat
 
@@ -27,10 +28,12 @@ from refdem.core.parameters import Parameters
 from refdem.core.truth import Truth
 from refdem.truth.balls import arb_of
 from refdem.truth.closed_form import ClosedForm, displaced_tuple, per_precision
+from refdem.truth.dual import Derivatives
 from refdem.truth.exact import numbers, vector
 from refdem.truth.growth import Grows, Norm, SteadyGrowth, Told, narrow
 from refdem.truth.refiner import Refiner
 from refdem.truth.smooth_flow import derivative_by_start
+from refdem.truth.validated_flow import ValidatedFlow
 
 NAMES = ("x", "y", "vx", "vy")
 
@@ -103,6 +106,28 @@ class WhirlingShaft(ClosedForm):
         z = z_by_z * place + z_by_v * velocity
         v = v_by_z * place + v_by_v * velocity
         return {"x": z.real, "y": z.imag, "vx": v.real, "vy": v.imag}
+
+    def derivatives(self, t: Fraction, count: int) -> Derivatives:
+        """The derivatives at t by `count` parameters, from the equation of motion, for complex
+        balls carry none: z'' = -(w0^2 - i n) z - 2 b z' with z = x + i y.
+        """
+
+        def field(state: Sequence[Any]) -> list[Any]:
+            x, y, vx, vy = state
+            decay = 2 * self.decay
+            along = -(x * self.square) - y * self.push - vx * decay
+            across = -(y * self.square) + x * self.push - vy * decay
+            return [vx, vy, along, across]
+
+        flow = ValidatedFlow(
+            field,
+            self.begin,
+            lambda y: dict(zip(NAMES, y, strict=True)),
+            self.scale,
+            state=NAMES,
+            moved=range(4),
+        )
+        return flow.refined(self.digits).derivatives(t, count)
 
     @per_precision
     def growth(self) -> Grows:

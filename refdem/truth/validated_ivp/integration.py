@@ -18,7 +18,14 @@ from flint import arb, arb_mat, arb_poly
 from refdem.truth.balls import Guarded, UndecidedError, arb_of, ball_of, largest, outward, precision
 from refdem.truth.traced_field import Field, Program, traced
 from refdem.truth.validated_ivp.enclosure import JACOBIAN_BITS, Disc, disc, norm
-from refdem.truth.validated_ivp.moved import Spread, at_start, flow_jacobian, flow_series, moved
+from refdem.truth.validated_ivp.moved import (
+    BITS,
+    Spread,
+    at_start,
+    flow_jacobian,
+    flow_series,
+    moved,
+)
 from refdem.truth.validated_ivp.recurrences import taylor
 
 UNEQUAL = 80
@@ -112,7 +119,7 @@ class Chain(Guarded):
     """Pieces of a solution one after another, each made when it is asked for.
 
     `field` and `slopes` are the programs of f and of its Jacobian; the set at the end of the last
-    piece is `centre` + `spread`.
+    piece is `centre` + `spread`. The last `directions` coordinates stand still.
     """
 
     bits: int
@@ -121,6 +128,7 @@ class Chain(Guarded):
     slopes: Program
     centre: list[arb]
     spread: Spread
+    directions: int = 0
 
     def begin(self) -> None:
         """Sets what is known before the first piece; bits, steps, field, slopes, centre and spread
@@ -195,7 +203,7 @@ class Chain(Guarded):
         with precision(self.steps.jacobian_bits + GUARD):
             jacobian_bits = self.steps.jacobian_bits + unequal(proved.weights)
             order = self.jacobian_order or proved.jacobian_order(jacobian_bits)
-            flow = flow_series(self.slopes, polynomials, proved, start, order)
+            flow = flow_series(self.slopes, polynomials, proved, start, order, self.directions)
         piece = Piece(begin, proved.step, polynomials, proved, self.spread, start, flow)
         # The exact centre of the next piece is the midpoint of this one's end; the set is moved by
         # the flow Jacobian, and takes in the radius of that end.
@@ -203,7 +211,10 @@ class Chain(Guarded):
             length = arb_of(piece.length)
             end = piece.centre(length)
         self.spread = moved(
-            self.spread, self.moved_by(piece, length), [value.rad() for value in end]
+            self.spread,
+            self.moved_by(piece, length),
+            [value.rad() for value in end],
+            max(BITS, self.steps.jacobian_bits),
         )
         self.centre = [value.mid() for value in end]
         self.pieces.append(piece)
@@ -268,7 +279,8 @@ class Chain(Guarded):
 class Integration(Chain):
     """The solution of y' = field(y), known to about `bits` bits before errors grow.
 
-    `start()` gives balls of the state at time 0, at the working precision.
+    `start()` gives balls of the state at time 0, at the working precision; its last `directions`
+    coordinates stand for parameters (traced_field.py).
     """
 
     def __init__(
@@ -277,12 +289,15 @@ class Integration(Chain):
         start: Callable[[], Sequence[arb]],
         bits: int,
         steps: Steps | None = None,
+        *,
+        directions: int = 0,
     ) -> None:
         self.bits = bits
         self.steps = steps or Steps()
+        self.directions = directions
         with precision(bits + GUARD):
             balls = list(start())
-        outputs, slopes = traced(field, len(balls))
+        outputs, slopes = traced(field, len(balls), directions)
         self.field = Program(outputs)
         self.slopes = Program([entry for row in slopes for entry in row])
         self.centre = [value.mid() for value in balls]

@@ -69,13 +69,19 @@ def products(matrix: arb_mat, lengths: Sequence[arb]) -> list[arb]:
 
 
 def flow_series(
-    jacobian: Program, polynomials: Sequence[arb_poly], proved: Disc, start: arb, order: int
+    jacobian: Program,
+    polynomials: Sequence[arb_poly],
+    proved: Disc,
+    start: arb,
+    order: int,
+    directions: int = 0,
 ) -> list[arb_mat]:
     """The Taylor coefficients V_0 .. V_order of the flow Jacobian, for every start within the norm
     `start` of T(0).
 
     V' = J(y(t)) V: (n+1) V_(n+1) = sum over i <= n of J_i V_(n-i), J_i being the coefficients of
-    J(y(t)).
+    J(y(t)). The last `directions` coordinates stand still: their rows of J are 0, those of V are
+    those of the unit matrix, and only the rows above are computed.
 
     Theorem: on the disc two solutions differ by at most exp(integral of L) start (Gronwall), and
     each from T by `apart`; coefficients differ by that R^-n (Cauchy). Those of T are those of the
@@ -97,11 +103,29 @@ def flow_series(
     for i, polynomial in enumerate(polynomials):
         solution.append([polynomial[n] + arb(0, margins[n][i]) for n in range(order)])
     slopes = jacobian_series(jacobian, solution)
-    terms = [unit_matrix(size)]
+    moving = size - directions
+    by_moving = [part(one, moving, 0, moving) for one in slopes]
+    terms = [part(unit_matrix(size), moving, 0, size)]
     for n in range(order):
-        products_of_order_n = map(mul, slopes[: n + 1], terms[::-1])
-        terms.append(sum(products_of_order_n, arb_mat(size, size)) / (n + 1))
-    return terms
+        products_of_order_n = map(mul, by_moving[: n + 1], terms[::-1])
+        total = sum(products_of_order_n, arb_mat(moving, size))
+        if directions:
+            total = total + part(slopes[n], moving, moving, size, size)
+        terms.append(total / (n + 1))
+    if not directions:
+        return terms
+    still = unit_matrix(size).table()[moving:]
+    whole = [arb_mat([*terms[0].table(), *still])]
+    no_change = [[arb(0)] * size] * directions
+    return whole + [arb_mat([*term.table(), *no_change]) for term in terms[1:]]
+
+
+def part(matrix: arb_mat, rows: int, first: int, last: int, width: int = 0) -> arb_mat:
+    """The first rows of a matrix, columns `first` to `last`, with columns of 0 before them up to a
+    `width`.
+    """
+    before = [arb(0)] * max(0, width - (last - first))
+    return arb_mat([before + row[first:last] for row in matrix.table()[:rows]])
 
 
 def jacobian_series(jacobian: Program, solution: Sequence[Sequence[arb]]) -> list[arb_mat]:
@@ -135,14 +159,14 @@ def flow_jacobian(terms: Sequence[arb_mat], proved: Disc, since: arb) -> arb_mat
     return total + arb_mat(remainder)
 
 
-def moved(spread: Spread, jacobian: arb_mat, local: Sequence[arb]) -> Spread:
+def moved(spread: Spread, jacobian: arb_mat, local: Sequence[arb], bits: int = BITS) -> Spread:
     """The set after a step with that flow Jacobian V, where `local` bounds |u|, the new errors of
     the coordinates (theorem of the module).
 
     e' = Q (Q^-1 V A r + Q^-1 u), and likewise V (growth + A slack) = growth' + Q slack' with the
-    midpoint growth' of V growth.
+    midpoint growth' of V growth. The frame and `growth` have so many `bits`.
     """
-    with precision(BITS):
+    with precision(bits):
         edges = jacobian * spread.frame
         frame = orthogonal(edges, spread.lengths)
         back = frame.inv()

@@ -36,9 +36,9 @@ from flint import arb, arb_mat
 from refdem.errors import NotCertifiedError
 from refdem.truth.balls import UndecidedError, arb_of, ball_of, precision
 from refdem.truth.closed_form import ClosedForm, displaced_part, larger, per_precision
+from refdem.truth.dual import DualBall, parameters
 from refdem.truth.events.crossing import Along, SwitchError, Watched, earliest
 from refdem.truth.growth import Grows, UnsharpError, upper
-from refdem.truth.slopes import Sloped, parameters
 from refdem.truth.swept_growth import Span, largest_growth
 
 AXES = "xyz"
@@ -696,7 +696,7 @@ class PathGrowth:
             last = Place(n["x"] + n["V"] * elapsed, n["b"])
             # C = sigma - (g A + a x + e x D): its value is known, its slopes are those of this.
             constant_slopes = (sigma - self.form.sigma(first, n)).slopes
-            constant = Sloped(leg.piece.constant, constant_slopes)
+            constant = DualBall(leg.piece.constant, constant_slopes)
             at_last = self.form.antiderivatives(leg.piece.side, constant, last, n)
             at_first = self.form.antiderivatives(leg.piece.side, constant, first, n)
             along, across, turning = (

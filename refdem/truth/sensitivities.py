@@ -1,0 +1,245 @@
+"""Certified sensitivities: the derivative of every quantity by every number of a case, in balls.
+
+Theorem: a truth whose numbers are dual (dual.py) gives the derivatives of its quantities by the
+chain rule, through every formula, branch and event that it is made of.
+
+Hypotheses, and where each is checked:
+
+* every number on which a quantity depends carries its derivatives, and the branch that is taken at
+  the parameters is that of a neighbourhood of them: `unbracketed`, by differences of certified
+  values at two distances, which share no code with the derivatives;
+* the balls are finite and small: the refiner of the truth (refiner.py).
+"""
+
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+from typing import Protocol, Self, runtime_checkable
+
+from refdem.core.parameters import Exact, Parameters
+from refdem.core.truth import Ball, Truth
+from refdem.errors import NotCertifiedError
+from refdem.truth.dual import Derivatives, ExactDual
+
+NO_NUMBERS = frozenset({"duration", "samples"})
+"""Parameters that say where a motion is looked at, and not what it is."""
+DISTANCE = Fraction(1, 2**24)
+"""Part of itself by which a number is moved for differences; 2^-24 of its unit if it is 0."""
+DIGITS = 24
+"""Digits of the values whose differences are taken: those of the differences are 16."""
+SPARE = 4
+"""The factor by which a derivative may be further from the nearer difference than that is from the
+farther one: the error of a central difference falls by 4 as its distance is halved, that of one to
+one side by 2.
+"""
+
+
+@dataclass(frozen=True)
+class Number:
+    """One number of a case: the parameter that has it, and its place in a vector."""
+
+    parameter: str
+    place: int | None = None
+
+    @property
+    def name(self) -> str:
+        """The name for people: `v0`, or `v0.1` of a vector."""
+        if self.place is None:
+            return self.parameter
+        return f"{self.parameter}.{self.place}"
+
+    def of(self, p: Mapping[str, Exact]) -> Fraction:
+        """Its exact value."""
+        value = p[self.parameter]
+        if isinstance(value, tuple) and self.place is not None:
+            value = value[self.place]
+        assert isinstance(value, Fraction)
+        return value
+
+    def set_in(self, p: Parameters, value: Fraction) -> Parameters:
+        """The parameters with another value of the number."""
+        if self.place is None:
+            return p.replaced({self.parameter: value})
+        vector = p[self.parameter]
+        assert isinstance(vector, tuple)
+        changed = (*vector[: self.place], value, *vector[self.place + 1 :])
+        return p.replaced({self.parameter: changed})
+
+
+@runtime_checkable
+class Differentiable(Protocol):
+    """A truth that has derivatives by the parameters that its numbers carry."""
+
+    def derivatives(self, t: Fraction, count: int) -> Derivatives:
+        """The derivatives at t of every quantity by each of `count` parameters."""
+
+    def refined(self, digits: int) -> Self:
+        """The same truth to other digits."""
+
+
+@dataclass(frozen=True)
+class Sensitivities:
+    """Derivatives at one time: `of[quantity][number]` is a ball [unit of the quantity over that of
+    the number]. `missing` says of each number by which there is no derivative why not.
+    """
+
+    t: Fraction
+    of: Mapping[str, Mapping[str, Ball]]
+    missing: Mapping[str, str]
+
+
+def numbers_of(p: Parameters) -> Iterator[Number]:
+    """The numbers of a case that a quantity may depend on smoothly: all that are no counts."""
+    for name, value in p.items():
+        if name in NO_NUMBERS or p.declared[name].whole:
+            continue
+        if isinstance(value, Fraction):
+            yield Number(name)
+        elif isinstance(value, tuple):
+            for place, entry in enumerate(value):
+                if isinstance(entry, Fraction):
+                    yield Number(name, place)
+
+
+def sensitivities(
+    make: Callable[[Parameters], Truth], p: Parameters, t: Fraction, digits: int
+) -> Sensitivities:
+    """The derivatives at t [s] of every quantity of a truth by every number of its parameters, to
+    radii of 10^-digits.
+
+    Raises NotCertifiedError where derivatives cannot be proved.
+    """
+    numbers = list(numbers_of(p))
+    moved = p
+    for k, number in enumerate(numbers):
+        unit = [int(k == other) for other in range(len(numbers))]
+        moved = number.set_in(moved, ExactDual(number.of(p), unit))
+    truth = make(moved).refined(digits)
+    if not isinstance(truth, Differentiable):
+        raise NotCertifiedError(
+            f"derivatives of this truth by its parameters are not certified yet: {truth.method}"
+        )
+    try:
+        derivatives = truth.derivatives(t, len(numbers))
+    except TypeError as error:
+        # A dual number has met a function for which it has no rule.
+        raise NotCertifiedError(
+            f"derivatives of this truth by its parameters are not certified yet: {error}"
+        ) from None
+    missing = unbracketed(derivatives, make, p, numbers, t)
+    of: dict[str, dict[str, Ball]] = {}
+    for quantity, slopes in derivatives.items():
+        by_number = zip(numbers, slopes, strict=True)
+        of[quantity] = {one.name: slope for one, slope in by_number if one.name not in missing}
+    return Sensitivities(t, of, missing)
+
+
+@dataclass(frozen=True)
+class Direction:
+    """A direction in which numbers are moved together: how far each is, for a distance of 1."""
+
+    steps: Mapping[Number, Fraction]
+
+    def moved(self, p: Parameters, distance: Fraction) -> Parameters:
+        """The parameters at this distance."""
+        for number, step in self.steps.items():
+            p = number.set_in(p, number.of(p) + distance * step)
+        return p
+
+    def derivative(self, slopes: Mapping[Number, Ball]) -> Ball:
+        """The derivative in this direction, from those by each number."""
+        mid = sum((slopes[number].mid * step for number, step in self.steps.items()), Fraction(0))
+        radius = sum(slopes[number].radius * abs(step) for number, step in self.steps.items())
+        return Ball(mid, Fraction(radius))
+
+
+def unbracketed(
+    derivatives: Derivatives,
+    make: Callable[[Parameters], Truth],
+    p: Parameters,
+    numbers: Sequence[Number],
+    t: Fraction,
+) -> dict[str, str]:
+    """The numbers to whose derivatives differences of certified values do not tend as their
+    distance falls, each with what is seen.
+
+    All numbers are moved at once, each by its own part; where that does not agree, they are moved
+    one by one.
+    """
+    if not numbers:
+        return {}
+    steps = {}
+    for k, number in enumerate(numbers):
+        # No two numbers by the same part of themselves, so that errors do not cancel.
+        steps[number] = (abs(number.of(p)) or Fraction(1)) * (1 + Fraction(k, 7 + len(numbers)))
+    together = Direction(steps)
+    if disagreement(derivatives, make, p, numbers, together, t) is None:
+        return {}
+    missing = {}
+    for number, step in steps.items():
+        alone = Direction({number: step})
+        reason = disagreement(derivatives, make, p, numbers, alone, t)
+        if reason is not None:
+            missing[number.name] = reason
+    return missing
+
+
+def disagreement(
+    derivatives: Derivatives,
+    make: Callable[[Parameters], Truth],
+    p: Parameters,
+    numbers: Sequence[Number],
+    direction: Direction,
+    t: Fraction,
+) -> str | None:
+    """None if differences in a direction tend to the derivative in it, else what is seen."""
+    far = quotients(make, p, direction, t, DISTANCE)
+    near = quotients(make, p, direction, t, DISTANCE / 2)
+    if far is None or near is None:
+        return "no motion beside it is certified"
+    for quantity, slopes in derivatives.items():
+        if quantity not in far or quantity not in near:
+            # A body that does not spin has no such quantity.
+            continue
+        expected = direction.derivative(dict(zip(numbers, slopes, strict=True)))
+        apart = abs(far[quantity].mid - near[quantity].mid)
+        rounding = far[quantity].radius + near[quantity].radius + expected.radius
+        if abs(expected.mid - near[quantity].mid) > SPARE * (apart + rounding):
+            return (
+                f"{quantity} changes by {float(near[quantity]):.6g} for a small change over its"
+                f" size, and the formula at the parameters says {float(expected):.6g}: the motion"
+                " is of another kind on one side, or the formula does not carry it"
+            )
+    return None
+
+
+def quotients(
+    make: Callable[[Parameters], Truth],
+    p: Parameters,
+    direction: Direction,
+    t: Fraction,
+    distance: Fraction,
+) -> dict[str, Ball] | None:
+    """Differences of certified values over their distance in a direction: between both sides, or
+    to one side where the other has no motion; None where neither has.
+    """
+    sides: list[tuple[Fraction, Mapping[str, Ball]]] = []
+    for place in (distance, -distance, Fraction(0)):
+        try:
+            balls = make(direction.moved(p, place)).refined(DIGITS).at(t)
+        except (NotCertifiedError, ValueError, ArithmeticError):
+            continue
+        sides.append((place, balls))
+        if len(sides) == 2:
+            break
+    if len(sides) < 2:
+        return None
+    (upper, above), (lower, below) = sides
+    width = upper - lower
+    quotients = {}
+    for name in above.keys() & below.keys():
+        ball = above[name]
+        other = below[name]
+        radius = (ball.radius + other.radius) / abs(width)
+        quotients[name] = Ball((ball.mid - other.mid) / width, radius)
+    return quotients

@@ -1,0 +1,134 @@
+"""Certified sensitivities, against differences of certified values that lie much nearer, and a
+derivative that is lost on purpose.
+"""
+
+from fractions import Fraction
+
+import pytest
+
+from refdem.core import discovery
+from refdem.core.truth import Ball
+from refdem.errors import NotCertifiedError
+from refdem.truth.closed_forms.quadratic_drag import QuadraticDrag
+from refdem.truth.dual import plain
+from refdem.truth.sensitivities import numbers_of, sensitivities
+
+DIGITS = 20
+STEP = Fraction(1, 10**20)
+"""Differences over it have an error of 1e-40 times the third derivative."""
+
+SETTINGS = [
+    ("harmonic-oscillator", {"mass": "2", "gravity": "3/7", "v0": "1/3"}, "5/2"),
+    ("viscous-oscillator", {"gravity": "1/3", "v0": "-1/2"}, "7/3"),
+    ("driven-oscillator", {}, "5/3"),
+    ("coulomb-oscillator", {"v0": "1/3"}, "9/4"),
+    ("quadratic-drag", {"v0": "5"}, "3/2"),
+    ("quadratic-drag", {"v0": "-20"}, "3/2"),
+    ("bouncing-ball", {"velocity": "1/2,1/3", "spin": "2", "friction": "1/5"}, "7/5"),
+    ("captured-mass", {}, "6"),
+    ("corner-impact", {}, "1"),
+    ("asymmetric-field", {}, "2"),
+    ("wedge-collision", {}, "1"),
+    ("rolling", {}, "1/2"),
+    ("hard-wall", {}, "3/2"),
+    ("hard-spheres", {}, "2"),
+    ("hard-spheres", {"friction": "1/5", "spins": "1,2,3,-1,1/2,1"}, "5/2"),
+    ("newtons-cradle", {}, "3/2"),
+    ("pendulum", {"mass": "1", "length": "1", "theta0": "2"}, "5/2"),
+    ("pendulum", {"theta0": "1/2", "thetadot0": "9"}, "1"),
+    ("pendulum-equilibria", {"delta": "1/3"}, "1"),
+    ("duffing", {"amplitude": "3/2"}, "3"),
+    ("whirling-shaft", {}, "1"),
+    ("van-der-pol", {}, "2"),
+    ("driven-duffing", {}, "2"),
+    ("quadratic-response", {}, "2"),
+    ("dissipating-body", {}, "1"),
+]
+
+
+def difference(
+    case: str, given: dict[str, str], t: Fraction, number: object
+) -> dict[str, Fraction]:
+    """Central differences over STEP of values to 60 digits."""
+    chosen = discovery.case(case)
+    p = chosen.at(**given).p
+    ahead, behind = (
+        chosen.truth(number.set_in(p, number.of(p) + sense * STEP)).refined(60).at(t)
+        for sense in (1, -1)
+    )
+    return {name: (ahead[name].mid - behind[name].mid) / (2 * STEP) for name in ahead}
+
+
+@pytest.mark.parametrize(("case", "given", "time"), SETTINGS)
+def test_derivatives_are_what_differences_tend_to(
+    case: str, given: dict[str, str], time: str
+) -> None:
+    t = Fraction(time)
+    chosen = discovery.case(case)
+    p = chosen.at(**given).p
+    found = sensitivities(chosen.truth, p, t, DIGITS)
+    for number in numbers_of(p):
+        if number.name in found.missing:
+            continue
+        seen = difference(case, given, t, number)
+        for quantity, slopes in found.of.items():
+            ball = slopes[number.name]
+            away = abs(ball.mid - seen[quantity])
+            assert away <= ball.radius + Fraction(1, 10**25), (quantity, number.name)
+            assert ball.radius < Fraction(1, 10 ** (DIGITS - 2))
+    # What is missing is a border of kinds of motion: friction, spin or restitution that are 0.
+    assert all(number.of(p) == 0 for number in numbers_of(p) if number.name in found.missing)
+
+
+def test_two_equal_elastic_balls_exchange_their_motions() -> None:
+    """The second moves on as if it were the first, a diameter ahead: its place after the impact
+    depends on the start of the first alone, as a code that differentiates through its steps
+    without the time of impact does not find.
+    """
+    chosen = discovery.case("newtons-cradle")
+    p = chosen.at(balls="2", velocities="2,1/2,0,0,0,0,0").p
+    t = Fraction(1)
+    of = sensitivities(chosen.truth, p, t, DIGITS).of
+    exact = {
+        ("r1.x", "velocities.0"): 0,
+        ("r1.x", "velocities.1"): t,
+        ("r2.x", "velocities.0"): t,
+        ("r2.x", "velocities.1"): 0,
+        ("v1.x", "velocities.0"): 0,
+        ("v1.x", "velocities.1"): 1,
+        ("v2.x", "velocities.0"): 1,
+        ("v2.x", "velocities.1"): 0,
+    }
+    for (quantity, number), expected in exact.items():
+        ball = of[quantity][number]
+        assert abs(ball.mid - expected) <= ball.radius, (quantity, number)
+
+
+def test_a_derivative_that_a_formula_loses_is_missing(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(
+        QuadraticDrag, "terminal_squared", property(lambda form: plain(_terminal(form)))
+    )
+    chosen = discovery.case("quadratic-drag")
+    found = sensitivities(chosen.truth, chosen.at(v0="5").p, Fraction(1), DIGITS)
+    assert set(found.missing) == {"mass", "gravity", "drag"}
+    assert set(found.of["y"]) == {"v0"}
+    assert "does not carry it" in found.missing["drag"]
+
+
+def _terminal(form: QuadraticDrag) -> Fraction:
+    return form.mass * form.gravity / form.drag
+
+
+def test_a_number_that_starts_on_a_border_has_no_derivative() -> None:
+    """Friction holds on one side of v0 = 0 otherwise than on the other."""
+    chosen = discovery.case("coulomb-oscillator")
+    found = sensitivities(chosen.truth, chosen.at().p, Fraction(5, 2), DIGITS)
+    assert list(found.missing) == ["v0"]
+    assert isinstance(found.of["x"]["mass"], Ball)
+
+
+@pytest.mark.parametrize("case", ["billiards", "stick-slip", "two-spheres"])
+def test_truths_that_have_none_yet_say_so(case: str) -> None:
+    chosen = discovery.case(case)
+    with pytest.raises(NotCertifiedError, match="not certified yet"):
+        sensitivities(chosen.truth, chosen.at().p, Fraction(1), DIGITS)
