@@ -2,6 +2,8 @@
 and doublings of the period of the logistic map (1.127).
 """
 
+from types import MappingProxyType
+
 import numpy as np
 
 from refdem.cases._algebra import AlgebraCase, Row
@@ -16,6 +18,18 @@ class Bifurcations(AlgebraCase):
     t), as harmonic balance has it; and the map x -> eta x (1 - x).
     """
 
+    units = MappingProxyType(
+        {
+            "drives.0": "rad/s",
+            "drives.1": "rad/s",
+            "forces.0": "m/s^2",
+            "forces.1": "m/s^2",
+            "lower-fold.0": "rad/s",
+            "lower-fold.1": "m",
+            "upper-fold.0": "rad/s",
+            "upper-fold.1": "m",
+        }
+    )
     id = "bifurcations"
     title = "Folds and doublings"
     words = ("nonlinear", "resonance", "hysteresis", "chaos", "feigenbaum")
@@ -105,15 +119,13 @@ class Bifurcations(AlgebraCase):
 
     def sizes(self, p: Parameters) -> dict[str, float]:
         """The magnitudes of the numbers, times what multiplies a rounding on the way to them."""
-        lower, upper = _sizes_of_folds(p)
         drive, force = _sizes_of_balance(p)
         eta = float(p.eta)
         root = np.sqrt((eta - 3) * (eta + 1))
         return {
             "drives": drive,
             "forces": force,
-            "lower-fold": lower,
-            "upper-fold": upper,
+            **_sizes_of_folds(p),
             # The root of what is small next to eta = 3 magnifies a rounding of eta.
             "two-cycle": float(1 + 1 / root),
             "doubling-of-1": 4.0,
@@ -143,16 +155,16 @@ def _sizes_of_balance(p: Parameters) -> tuple[float, float]:
     return drive, float(p.f0 + 2 * p.amplitude * moved)
 
 
-def _sizes_of_folds(p: Parameters) -> tuple[float, float]:
-    """The sizes of both folds: by how much a rounding of the terms moves S = A^2, and with it A and
-    the drive.
+def _sizes_of_folds(p: Parameters) -> dict[str, float]:
+    """The sizes of drive and amplitude at both folds: by how much a rounding of the terms moves S =
+    A^2, and with it the two.
     """
     found = folds(p.alpha, p.beta, p.delta, p.f0)
     assert found is not None
     h = 0.75 * p.beta
     square = p.f0**2
-    sizes = []
-    for drive, amplitude in found:
+    sizes = {}
+    for side, (drive, amplitude) in zip(found._fields, found, strict=True):
         s = amplitude**2
         terms = np.array(
             [
@@ -163,11 +175,13 @@ def _sizes_of_folds(p: Parameters) -> tuple[float, float]:
             ]
         )
         powers = np.array([2, 1, -1, -3])
-        # A relative rounding of S for one of the terms: near a fold of the folds it is large.
-        magnified = 4 * float(np.sum(terms) / abs(powers @ terms))
+        # The part of S by which a relative rounding of the terms moves it: large where the folds
+        # are about to meet. Each term has some four roundings.
+        magnified = max(1.0, 4 * float(np.sum(terms) / abs(powers @ terms)))
         of_square = p.alpha + h * s + square / (h * s**2)
-        sizes.append((amplitude + drive + of_square / drive) * max(1.0, magnified))
-    return sizes[0], sizes[1]
+        sizes[f"{side}-fold.0"] = (drive + of_square / drive) * magnified
+        sizes[f"{side}-fold.1"] = amplitude * magnified
+    return sizes
 
 
 CASE = Bifurcations()
