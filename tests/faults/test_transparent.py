@@ -266,3 +266,13 @@ def test_only_methods_that_leave_a_fixed_body_where_it_is_take_one():
         run, _ = engine.run(Request(problem=motion, method=method.name, step=0.25))
         assert run.position[-1, 1].tolist() == [0.0, 0.0, 0.0]
         assert run.position[-1, 0, 2] < -0.3
+
+
+@pytest.mark.parametrize("method", ["verlet", "rk4"])
+def test_a_clock_that_is_summed_over_steps_that_are_no_dyadic_numbers_is_no_broken_symmetry(method):
+    """Other units of time round every sum of the clock in another way, which a drive reads."""
+    instance = discovery.case("driven-oscillator").at(duration="1000/3", samples="64")
+    task = task_of(Transparent(), method, instance, truth_of(instance), 3)
+    found = {f.quantity: f for f in record_of(task).findings if f.check == "symmetry"}
+    assert found["rescaled"].value > 1e-11
+    assert found["rescaled"].outcome == "pass"
