@@ -3,6 +3,8 @@ and their values in an engine's answer.
 """
 
 from abc import abstractmethod
+from collections.abc import Mapping
+from types import MappingProxyType
 from typing import Any, ClassVar
 
 import numpy as np
@@ -29,17 +31,21 @@ class AlgebraCase(Canonical):
     """A case of operations in rows. Each result is a quantity; one of several numbers is several
     quantities, `name.0`, `name.1` ...
 
-    `angles` are the names of the rows whose numbers are angles.
+    `angles` are the names of the rows whose numbers are angles, `units` those of the numbers that
+    have one.
     """
 
     angles: ClassVar[frozenset[str]] = frozenset()
+    units: ClassVar[Mapping[str, str]] = MappingProxyType({})
 
     @abstractmethod
     def rows(self, p: Parameters) -> list[Row]:
         """The rows of operations at these parameters, in their order."""
 
     def sizes(self, p: Parameters) -> dict[str, float]:
-        """The magnitude of the numbers of a row, by its name, where it is not 1: its scale."""
+        """The magnitude of the numbers of a row, by its name, or of one number, by that of the
+        number, where it is not 1: its scale.
+        """
         return {}
 
     def problem(self, p: Parameters) -> Identity:
@@ -65,7 +71,12 @@ class AlgebraCase(Canonical):
             else:
                 labels = [f"{name}.{i}" for i in range(count)]
             quantities_of_rows += [
-                Quantity(label, "1", magnitudes.get(name, 1.0), angle=name in self.angles)
+                Quantity(
+                    label,
+                    self.units.get(label, "1"),
+                    magnitudes.get(label, magnitudes.get(name, 1.0)),
+                    angle=name in self.angles,
+                )
                 for label in labels
             ]
         return tuple(quantities_of_rows)

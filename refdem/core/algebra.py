@@ -1,5 +1,5 @@
-"""The operations of rotation algebra that an Identity may ask for, with the sizes of their operands
-and of their result.
+"""The operations of algebra that an Identity may ask for, with the sizes of their operands and of
+their result: rotations, degrees of freedom, bifurcations.
 
 Matrices (9) are row by row and map body vectors to space; quaternions (4) are (w, x, y, z); angles
 are in radians. Numbers in brackets are the equations of the source chapter.
@@ -72,6 +72,17 @@ SIZES: dict[str, tuple[tuple[int, ...], int]] = {
     "first-order-freedom": ((1, 0, 0), 1),
     # dimension, coordinates: number of independent motions that keep every distance
     "rigid-freedom": ((1, 0), 1),
+    # amplitude, (alpha, beta, delta), f0: lower and higher drive of harmonic balance (1.121)
+    "balanced-drives": ((1, 3, 1), 2),
+    # amplitude, (alpha, beta, delta), drives: the force that each of them needs (1.120)
+    "balanced-forces": ((1, 3, 2), 2),
+    # (alpha, beta, delta), f0: drive and amplitude at which harmonic balance folds (1.120)
+    "lower-fold": ((3, 1), 2),
+    "upper-fold": ((3, 1), 2),
+    # eta > 3: the iterates, larger first, between which the logistic map alternates (1.127)
+    "two-cycle": ((1,), 2),
+    # n = 0, 1, 2: the eta at which the map's cycle of 2^n iterates doubles its period
+    "doubling-point": ((1,), 1),
 }
 
 COUNTING_OPERANDS: dict[str, tuple[int, ...]] = {
@@ -79,6 +90,7 @@ COUNTING_OPERANDS: dict[str, tuple[int, ...]] = {
     "rigid-freedom": (0,),
     "cosine-by-recurrence": (1,),
     "cosine-by-powers": (1,),
+    "doubling-point": (0,),
 }
 """Places of the operands that count or name something (a dimension, points of a rod, a multiple)
 instead of measuring it: they have no last digit that a rounding could move.

@@ -5,10 +5,27 @@ The oscillator is x'' + 2 delta x' + alpha x + beta x^3 = f0 cos(w t); the linea
 w0^2, beta = 0. Harmonic balance keeps only the terms at w of x = A cos(w t + phase).
 """
 
+from collections.abc import Callable
+from typing import NamedTuple
+
 import numpy as np
 from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
+
+HALVINGS = 120
+"""Halvings of an interval until doubles have no number inside, if its ends are at most 2^60 times
+apart.
+"""
+
+
+class Folds(NamedTuple):
+    """Drive [rad/s] and amplitude [m] at which harmonic balance folds: where the drive is lowest
+    that has the larger amplitudes, and where it is highest.
+    """
+
+    lower: tuple[float, float]
+    upper: tuple[float, float]
 
 
 def linear_amplitude(drive: Array, square: float, delta: float, f0: float) -> Array:
@@ -104,6 +121,82 @@ def fold(amplitude: Array, alpha: float, beta: float, delta: float, f0: float) -
     if len(minima):
         return float(minima[0])
     return None
+
+
+def balanced_force(
+    amplitude: float, drive: float, alpha: float, beta: float, delta: float
+) -> float:
+    """The force f0 that harmonic balance needs for the amplitude A at a drive frequency w (1.120).
+
+    f0^2 = A^2 ((k - w^2)^2 + 4 delta^2 w^2), with k = alpha + 3 beta A^2/4.
+    """
+    k = alpha + 0.75 * beta * amplitude**2
+    return float(amplitude * np.hypot(k - drive**2, 2 * delta * drive))
+
+
+def folds(alpha: float, beta: float, delta: float, f0: float) -> Folds | None:
+    """Both folds of harmonic balance (1.120), or None if one drive has one amplitude everywhere;
+    for a hardening spring with damping, alpha, beta, delta > 0, and f0 != 0.
+
+    With S = A^2, h = 3 beta/4 and u = alpha + h S - w^2 the balance is S (u^2 + 4 delta^2 w^2) =
+    f0^2. At a fold its derivative by S vanishes too, which gives u = -f0^2/(2 h S^2) and
+
+        16 delta^2 h^2 (h S^2 + alpha S) + 8 delta^2 h f0^2/S + f0^4/S^3 = 4 h^2 f0^2.
+
+    Each term on the left is convex for S > 0, so that there are two solutions or none.
+    """
+    h = 0.75 * beta
+    square = f0 * f0
+    damping = 4 * delta * delta
+
+    def excess(s: float) -> float:
+        """The left side less the right one."""
+        rising = 4 * damping * h * h * (h * s + alpha) * s
+        falling = 2 * damping * h * square / s + square * square / s**3
+        return rising + falling - 4 * h * h * square
+
+    def slope(s: float) -> float:
+        """The derivative of the left side, which grows with S."""
+        rising = 4 * damping * h * h * (2 * h * s + alpha)
+        return rising - 2 * damping * h * square / s**2 - 3 * square * square / s**4
+
+    # Without damping there is one fold, at S^3 = f0^2/(4 h^2); with it they lie beyond.
+    undamped = float(np.cbrt(square / (4 * h * h)))
+    if slope(undamped) >= 0:
+        return None
+    beyond = undamped
+    while slope(beyond) < 0:
+        beyond *= 2
+    least = _change_of_sign(slope, undamped, beyond)
+    if excess(least) >= 0:
+        return None
+    while excess(beyond) < 0:
+        beyond *= 2
+    lower = _change_of_sign(excess, least, undamped)
+    upper = _change_of_sign(excess, least, beyond)
+    return Folds(
+        lower=_fold_at(lower, alpha, h, square),
+        upper=_fold_at(upper, alpha, h, square),
+    )
+
+
+def _fold_at(s: float, alpha: float, h: float, square: float) -> tuple[float, float]:
+    """Drive [rad/s] and amplitude of the fold at S = A^2: w^2 = alpha + h S + f0^2/(2 h S^2)."""
+    drive = float(np.sqrt(alpha + h * s + square / (2 * h * s * s)))
+    return drive, float(np.sqrt(s))
+
+
+def _change_of_sign(value: Callable[[float], float], below: float, above: float) -> float:
+    """The place between two others where a function that is negative at the one and positive at
+    the other changes its sign.
+    """
+    for _ in range(HALVINGS):
+        middle = (below + above) / 2
+        if value(middle) < 0:
+            below = middle
+        else:
+            above = middle
+    return (below + above) / 2
 
 
 def hysteresis(

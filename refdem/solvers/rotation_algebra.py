@@ -1,5 +1,5 @@
-"""Rotation algebra and degrees of freedom by the functions of `mechanics`: the answers to questions
-without time.
+"""Rotation algebra, degrees of freedom and bifurcations by the functions of `mechanics`: the
+answers to questions without time.
 """
 
 from collections.abc import Callable
@@ -13,8 +13,9 @@ from refdem.core.engine import Method
 from refdem.core.problem import Identity, Request
 from refdem.core.statics import results
 from refdem.core.trajectory import Cost, Trajectory
-from refdem.mechanics import freedom, rotation
+from refdem.mechanics import freedom, response, rotation
 from refdem.mechanics.multiple_angle import cosine_by_powers, cosine_by_recurrence
+from refdem.mechanics.period_doubling import doubling_point, two_cycle
 from refdem.mechanics.quaternion import conjugate, matrix, product, rotated
 from refdem.solvers.solver import Solver
 
@@ -73,6 +74,27 @@ def pure(v: Array) -> Array:
 def pairs(rods: Array) -> list[tuple[int, int]]:
     """The pairs of points that the rods (2 R,) connect."""
     return [(int(a), int(b)) for a, b in rods.reshape(-1, 2)]
+
+
+def balanced_drives(amplitude: Array, spring: Array, force: Array) -> Array:
+    """The two drives (2,) [rad/s] of an amplitude (1,) on a spring (alpha, beta, delta)."""
+    alpha, beta, delta = spring
+    return np.concatenate(response.balanced_drives(amplitude, alpha, beta, delta, force[0]))
+
+
+def balanced_forces(amplitude: Array, spring: Array, drives: Array) -> list[float]:
+    """The force that each of the drives (2,) needs for an amplitude (1,)."""
+    alpha, beta, delta = spring
+    return [response.balanced_force(amplitude[0], drive, alpha, beta, delta) for drive in drives]
+
+
+def fold(side: str, spring: Array, force: Array) -> Array:
+    """Drive and amplitude (2,) of the lower or the upper fold; nan where there is none."""
+    alpha, beta, delta = spring
+    found = response.folds(alpha, beta, delta, force[0])
+    if found is None:
+        return np.full(2, np.nan)
+    return np.array(getattr(found, side))
 
 
 def square(m: Array) -> Array:
@@ -142,6 +164,12 @@ ANSWERS: dict[str, Callable[..., Any]] = {
         x.reshape(-1, int(size[0])), pairs(rods)
     ),
     "rigid-freedom": lambda size, x: freedom.rigid_freedom(x.reshape(-1, int(size[0]))),
+    "balanced-drives": balanced_drives,
+    "balanced-forces": balanced_forces,
+    "lower-fold": lambda spring, force: fold("lower", spring, force),
+    "upper-fold": lambda spring, force: fold("upper", spring, force),
+    "two-cycle": lambda eta: two_cycle(eta[0]),
+    "doubling-point": lambda doublings: doubling_point(int(doublings[0])),
 }
 """The function that computes each operation of core.algebra."""
 

@@ -215,6 +215,52 @@ ROTATION_FAULTS = {
         "rotations",
         "swept-by-products",
     ),
+    "1.121 with the sign of the stiffness turned inside the root": (
+        rotation_algebra.response,
+        "balanced_drives",
+        lambda f: (
+            lambda a, alpha, beta, delta, f0: f(
+                a, alpha, beta, delta, np.sqrt(f0**2 + 6 * delta**2 * beta * a**4)
+            )
+        ),
+        "bifurcations",
+        "drives.0",
+    ),
+    "1.120 without the damping of the drive": (
+        rotation_algebra.response,
+        "balanced_force",
+        lambda f: lambda a, drive, alpha, beta, delta: f(a, drive, alpha, beta, 0.0),
+        "bifurcations",
+        "forces.0",
+    ),
+    "a fold of a cube of 1 in place of 3/4": (
+        rotation_algebra.response,
+        "folds",
+        lambda f: lambda alpha, beta, delta, f0: f(alpha, beta * 4 / 3, delta, f0),
+        "bifurcations",
+        "lower-fold.0",
+    ),
+    "folds with the damping of b": (
+        rotation_algebra.response,
+        "folds",
+        lambda f: lambda alpha, beta, delta, f0: f(alpha, beta, delta / 2, f0),
+        "bifurcations",
+        "upper-fold.1",
+    ),
+    "doublings where cycles are superstable": (
+        rotation_algebra,
+        "doubling_point",
+        lambda f: lambda doublings: (2.0, 1 + 5**0.5, 3.4985616993277)[doublings],
+        "bifurcations",
+        "doubling-of-4",
+    ),
+    "a cycle of two of the map eta x (1 - x) + 1/100": (
+        rotation_algebra,
+        "two_cycle",
+        lambda f: lambda eta: f(eta) + 0.01,
+        "bifurcations",
+        "two-cycle.1",
+    ),
     "mirror as a turn": (
         rotation_algebra,
         "mirror",

@@ -244,6 +244,15 @@ EXACT = {
     "euler-rate-inverse": (([0, np.pi / 2, 1.0],), [0, 0, 1, 1, 0, 0, 0, -1, 0]),
     "first-order-freedom": (([2.0], [0, 0, 1, 0, 0, 1.0], [0, 1, 1, 2.0]), [4.0]),
     "rigid-freedom": (([2.0], [0, 0, 1, 0, 0, 1.0]), [3.0]),
+    # k = 1 + 3/4 4/3 = 2 of A = 1: f0^2 = (2 - 1)^2 + 4 at w = 1, and 2^2 at w = 0.
+    "balanced-forces": (([1.0], [1.0, 4 / 3, 1.0], [1.0, 0.0]), [np.sqrt(5.0), 2.0]),
+    # Without damping: w^2 = 2 -+ 1.
+    "balanced-drives": (([1.0], [1.0, 4 / 3, 0.0], [1.0]), [1.0, np.sqrt(3.0)]),
+    # With h = 1 and S = 1: 16 delta^2 (1 + alpha) + 8 delta^2 f0^2 + f0^4 = 4 f0^2.
+    "lower-fold": (([2.0, 4 / 3, 0.25], [np.sqrt(2.0)]), [2.0, 1.0]),
+    "upper-fold": (([0.5, 4 / 3, 0.25], [np.sqrt(0.5)]), [np.sqrt(7.0) / 2, 1.0]),
+    "two-cycle": (([3.2],), [(4.2 + np.sqrt(0.84)) / 6.4, (4.2 - np.sqrt(0.84)) / 6.4]),
+    "doubling-point": (([1.0],), [1 + np.sqrt(6.0)]),
 }
 
 

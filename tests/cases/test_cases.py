@@ -124,6 +124,7 @@ TIMELESS = {
     "moments-of-inertia": "a b c density hollow thin attitude",
     "rotations": "angle vector euler omega near frequency shifts small step multiple",
     "quaternions": "p q r vector omega rise",
+    "bifurcations": "amplitude alpha beta delta f0 eta",
 }
 SELECTIONS = {"time-reversal", "lyapunov"}
 CATALOGUE["impact-benchmarks"] = (

@@ -274,3 +274,13 @@ def test_a_box_comes_back_from_its_impact_in_negative_steps(method):
     task = task_of(Transparent(), method, instance, truth_of(instance), 3, ("reversal",))
     outcomes = {one.quantity: one.outcome for one in record_of(task).findings}
     assert outcomes == {"reversed": "pass", "backward": "pass"}
+
+
+@pytest.mark.parametrize("method", ["verlet", "rk4"])
+def test_a_clock_that_is_summed_over_steps_that_are_no_dyadic_numbers_is_no_broken_symmetry(method):
+    """Other units of time round every sum of the clock in another way, which a drive reads."""
+    instance = discovery.case("driven-oscillator").at(duration="1000/3", samples="64")
+    task = task_of(Transparent(), method, instance, truth_of(instance), 3)
+    found = {f.quantity: f for f in record_of(task).findings if f.check == "symmetry"}
+    assert found["rescaled"].value > 1e-11
+    assert found["rescaled"].outcome == "pass"

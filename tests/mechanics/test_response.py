@@ -4,7 +4,14 @@ import numpy as np
 import pytest
 
 from refdem.core import discovery
-from refdem.mechanics.response import linear_amplitude, linear_line, mixed_line
+from refdem.mechanics.response import (
+    balanced_force,
+    fold,
+    folds,
+    linear_amplitude,
+    linear_line,
+    mixed_line,
+)
 from refdem.mechanics.spectral_lines import line_map, mixed_lines
 from refdem.truth.sampled import sampled
 
@@ -98,3 +105,30 @@ def test_lines_of_a_square_change_sign_with_it() -> None:
         assert minus[name] == pytest.approx(-plus[name], rel=1e-7)
     for name in ("w1", "w2"):
         assert minus[name] == pytest.approx(plus[name], rel=1e-7)
+
+
+@pytest.mark.parametrize(("delta", "frequency"), [(0.05, 1.6266), (0.1, 1.6153), (0.2, 1.5664)])
+def test_the_lower_fold_is_where_the_curve_of_the_figure_turns(
+    delta: float, frequency: float
+) -> None:
+    found = folds(1.0, 0.4, delta, 1.5)
+    assert found is not None
+    assert found.lower[0] == pytest.approx(frequency, abs=5e-5)
+    on_curve = fold(np.linspace(0.5, 3.0, 20001), 1.0, 0.4, delta, 1.5)
+    assert found.lower[0] == pytest.approx(on_curve, abs=1e-7)
+
+
+def test_at_a_fold_the_drive_neither_rises_nor_falls_with_the_amplitude() -> None:
+    found = folds(1.0, 0.4, 0.1, 1.5)
+    assert found is not None
+    for drive, amplitude in found:
+        assert balanced_force(amplitude, drive, 1.0, 0.4, 0.1) == pytest.approx(1.5, rel=1e-13)
+        # The force at a fixed drive has an extremum by the amplitude there.
+        step = 1e-4
+        beside = [balanced_force(amplitude + side, drive, 1.0, 0.4, 0.1) for side in (-step, step)]
+        assert beside[1] - beside[0] == pytest.approx(0.0, abs=1e-9)
+
+
+@pytest.mark.parametrize("delta", [0.25, 0.3, 2.0])
+def test_much_damping_leaves_no_fold(delta: float) -> None:
+    assert folds(1.0, 0.4, delta, 1.5) is None

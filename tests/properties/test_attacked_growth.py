@@ -27,6 +27,7 @@ from tests.struck_contacts import largest_growths
 from tests.two_truths import asked_at
 
 NOT_ATTACKED = {
+    "bifurcations": "no time",
     "block-on-slope": "its start is rest, and no parameter",
     "degrees-of-freedom": "no time",
     "granular-gas": "a law of means",

@@ -50,6 +50,12 @@ STATICS = {
         {"p": "1e5,2,3,4", "q": "-1,2,3,1e-3", "omega": "0.001,2,3"},
         {"q": "1,-100,50,2"},
     ],
+    "bifurcations": [
+        {},
+        {"delta": "1/5", "eta": "4"},
+        {"delta": "1e-6", "beta": "1e-3", "f0": "50", "amplitude": "100", "eta": "3.0001"},
+        {"delta": "6/25", "alpha": "11/10", "f0": "8/5", "amplitude": "17/10"},
+    ],
 }
 EVERY = [(case, given) for case, sets in STATICS.items() for given in sets]
 ANSWERS = {
@@ -57,6 +63,7 @@ ANSWERS = {
     "moments-of-inertia": ["mass-properties"],
     "rotations": ["rotation-algebra"],
     "quaternions": ["rotation-algebra"],
+    "bifurcations": ["rotation-algebra"],
 }
 MUJOCO = [
     ("moments-of-inertia", "compiler"),

@@ -264,6 +264,56 @@ def statics():
     )
 
 
+def bifurcations():
+    """Folds as extrema of the force at a fixed drive, doublings as cycles of multiplier -1."""
+    alpha, beta, delta, f0 = f("5/4"), f("1/3"), f("1/8"), f("7/5")
+
+    def square(s, q):
+        return s * ((alpha + 3 * beta * s / 4 - q) ** 2 + 4 * delta**2 * q)
+
+    found = {}
+    for name, s, q in (("lower", "2", "3"), ("upper", "9", "7/2")):
+        fold = findroot(
+            [lambda s, q: square(s, q) - f0**2, lambda s, q: mp.diff(square, (s, q), (1, 0))],
+            (f(s), f(q)),
+        )
+        found |= {f"{name}__fold_o_0": sqrt(fold[1]), f"{name}__fold_o_1": sqrt(fold[0])}
+    amplitude = f("9/5")
+    for i, q in enumerate(("1", "3")):
+        drive = findroot(lambda q: square(amplitude**2, q) - f0**2, mpf(q))
+        found[f"drives_o_{i}"] = sqrt(drive)
+        found[f"forces_o_{i}"] = sqrt(square(amplitude**2, drive))
+    for period, x, eta in ((1, "0.66", "2.99"), (2, "0.85", "3.44"), (4, "0.883", "3.544")):
+        found[f"doubling__of__{period}"] = findroot(
+            [
+                lambda x, eta, n=period: cycled(x, eta, n)[0] - x,
+                lambda x, eta, n=period: cycled(x, eta, n)[1] + 1,
+            ],
+            (mpf(x), mpf(eta)),
+        )[1]
+    eta = f("10/3")
+    for i, x in enumerate(("0.83", "0.47")):
+        found[f"two__cycle_o_{i}"] = findroot(lambda x: cycled(x, eta, 2)[0] - x, mpf(x))
+    given = {
+        "alpha": "5/4",
+        "beta": "1/3",
+        "delta": "1/8",
+        "f0": "7/5",
+        "amplitude": "9/5",
+        "eta": "10/3",
+    }
+    case("bifurcations", given, None, **found)
+
+
+def cycled(x, eta, count):
+    """The iterate of the logistic map after so many, and its derivative by x."""
+    slope = mpf(1)
+    for _ in range(count):
+        slope *= eta * (1 - 2 * x)
+        x = eta * x * (1 - x)
+    return x, slope
+
+
 def solids():
     """By slices, and turns by exponentials."""
     a, b, c = f("3/2"), f("2/3"), mpf(2)  # half-axes; density 1/2
@@ -343,6 +393,7 @@ if __name__ == "__main__":
         collisions,
         impacts,
         statics,
+        bifurcations,
         solids,
     ):
         family()

@@ -47,7 +47,8 @@ def test_every_case_has_a_witness_and_every_set_was_confirmed_by_it() -> None:
 
 
 @pytest.mark.parametrize(
-    "case", ["degrees-of-freedom", "moments-of-inertia", "quaternions", "rotations"]
+    "case",
+    ["bifurcations", "degrees-of-freedom", "moments-of-inertia", "quaternions", "rotations"],
 )
 def test_what_has_no_time_is_confirmed_to_the_last_value(case: str) -> None:
     for one in load(case):

@@ -1,0 +1,147 @@
+"""Folds of harmonic balance (1.120), (1.121) and doublings of the logistic map (1.127), as roots of
+polynomials with rational coefficients.
+
+Folds. With S = A^2, h = 3 beta/4, q = w^2 and u = alpha + h S - q the balance (1.120) is F = S (u^2
++ 4 delta^2 q) - f0^2 = 0. Where dq/dS = 0 on it, dF/dS = u^2 + 4 delta^2 q + 2 h S u = 0, so that
+u = -f0^2/(2 h S^2), q = alpha + h S + f0^2/(2 h S^2), and
+
+    16 delta^2 h^3 S^5 + 16 delta^2 h^2 alpha S^4 - 4 h^2 f0^2 S^3 + 8 delta^2 h f0^2 S^2 + f0^4
+    = 0.
+
+Its coefficients change sign twice: it has two positive roots or none (Descartes).
+
+Doublings. w = eta (1/2 - x) has the map w -> w^2 + c, with c = eta/2 - eta^2/4, v = 4 c = 1 - (eta
+- 1)^2. The cycle of one iterate has the multiplier -1 at v = -3, that of two at v = -5. The
+resultant of the polynomial of cycles of four and of their multiplier plus 1 is a power of
+
+    v^6 + 12 v^5 + 47 v^4 + 188 v^3 + 527 v^2 + 4913,
+
+whose two real roots are v = -5.47 and v = -7.77, the latter far beyond the limit of the doublings,
+at eta = 3.96. The cycle of four that is born at v = -5 has the multiplier 1 there, and it keeps a
+multiplier above -1 up to the first root. That it is -1 there, and not +1 elsewhere, the witness
+shows by its sign on both sides.
+"""
+
+from collections.abc import Mapping
+from typing import cast
+
+from flint import acb, arb, fmpq, fmpq_poly
+
+from refdem.core.parameters import Parameters
+from refdem.core.truth import Truth
+from refdem.errors import NotCertifiedError
+from refdem.truth.balls import UndecidedError, arb_of
+from refdem.truth.closed_forms.quaternions import listed
+from refdem.truth.exact import numbers
+from refdem.truth.refiner import Refiner
+from refdem.truth.timeless import Timeless
+
+DOUBLING_OF_4 = fmpq_poly([4913, 0, 527, 188, 47, 12, 1])
+"""The polynomial in v = 4 c of the doubling of the cycle of four, lowest power first."""
+
+
+def real_roots(polynomial: fmpq_poly) -> list[arb]:
+    """The real roots, the smallest first, each in a ball of its own."""
+    roots: list[arb] = []
+    for root, _ in cast("list[tuple[acb, int]]", polynomial.complex_roots()):
+        if root.imag == 0:
+            roots.append(root.real)
+        elif root.imag.contains(0):
+            raise UndecidedError("a root that may be real")
+    return sorted(roots, key=lambda root: float(root.mid()))
+
+
+def fold_squares(p: Parameters) -> tuple[arb, arb]:
+    """The squares S of the amplitudes at the lower and the upper fold."""
+    values = {
+        name: fmpq(value.numerator, value.denominator)
+        for name, value in numbers(p, "alpha", "beta", "delta", "f0").items()
+    }
+    h = values["beta"] * fmpq(3, 4)
+    force = values["f0"] * values["f0"]
+    damping = values["delta"] * values["delta"]
+    polynomial = fmpq_poly(
+        [
+            force * force,
+            0,
+            8 * damping * h * force,
+            -4 * h * h * force,
+            16 * damping * h * h * values["alpha"],
+            16 * damping * h * h * h,
+        ]
+    )
+    positive = [root for root in real_roots(polynomial) if root > 0]
+    if len(positive) != 2:
+        raise NotCertifiedError("the resonance has no two folds")
+    return positive[0], positive[1]
+
+
+def fold(p: Parameters, s: arb) -> list[arb]:
+    """Drive [rad/s] and amplitude [m] of the fold at S: w^2 = alpha + h S + f0^2/(2 h S^2)."""
+    values = numbers(p, "alpha", "beta", "f0")
+    h = arb_of(values["beta"] * 3 / 4)
+    square = arb_of(values["f0"] ** 2)
+    drive = (arb_of(values["alpha"]) + h * s + square / (2 * h * s * s)).sqrt()
+    return [drive, s.sqrt()]
+
+
+def drives(p: Parameters) -> list[arb]:
+    """The lower and the higher drive [rad/s] of an amplitude A (1.121): w^2 = k - 2 delta^2 -+
+    sqrt(f0^2/A^2 - 4 delta^2 (k - delta^2)), with k = alpha + 3 beta A^2/4.
+    """
+    values = numbers(p, "amplitude", "alpha", "beta", "delta", "f0")
+    amplitude = values["amplitude"]
+    damping = values["delta"] ** 2
+    k = values["alpha"] + values["beta"] * amplitude**2 * 3 / 4
+    root = arb_of((values["f0"] / amplitude) ** 2 - 4 * damping * (k - damping)).sqrt()
+    middle = arb_of(k - 2 * damping)
+    return [(middle - root).sqrt(), (middle + root).sqrt()]
+
+
+def eta_of(v: arb) -> arb:
+    """The parameter eta = 1 + sqrt(1 - v) of the map with c = v/4."""
+    return 1 + (1 - v).sqrt()
+
+
+def doublings() -> dict[str, list[arb]]:
+    """The parameters eta at which cycles of one, two and four iterates double."""
+    stable = real_roots(DOUBLING_OF_4)[-1]
+    return {
+        "doubling-of-1": [arb(3)],
+        "doubling-of-2": [1 + arb(6).sqrt()],
+        "doubling-of-4": [eta_of(stable)],
+    }
+
+
+def two_cycle(p: Parameters) -> list[arb]:
+    """The iterates (eta + 1 +- sqrt((eta - 3)(eta + 1)))/(2 eta) between which the map
+    alternates.
+    """
+    eta = numbers(p, "eta")["eta"]
+    root = arb_of((eta - 3) * (eta + 1)).sqrt()
+    return [(arb_of(eta + 1) + sign * root) / arb_of(2 * eta) for sign in (1, -1)]
+
+
+def values(p: Parameters) -> dict[str, list[arb]]:
+    """The numbers of every row of the case, by the row's name."""
+    lower, upper = fold_squares(p)
+    force = arb_of(numbers(p, "f0")["f0"])
+    return {
+        "drives": drives(p),
+        "forces": [force, force],
+        "lower-fold": fold(p, lower),
+        "upper-fold": fold(p, upper),
+        "two-cycle": two_cycle(p),
+        **doublings(),
+    }
+
+
+def truth(p: Parameters, scale: Mapping[str, float]) -> Truth:
+    """The truth at parameters amplitude [m], alpha [1/s^2], beta [1/(m^2 s^2)], delta [1/s], f0
+    [m/s^2], eta; `scale` of every number.
+    """
+    return Timeless(
+        Refiner.of(scale),
+        lambda: listed(values(p)),
+        witness="discriminants of the balance; multipliers of cycles in balls",
+    )

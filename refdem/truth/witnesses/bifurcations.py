@@ -1,0 +1,148 @@
+"""Folds and doublings once more: folds as double roots of the balance's cubic in A^2, doublings by
+the change of sign of a multiplier plus 1 along a cycle that is followed in balls.
+"""
+
+from collections.abc import Mapping, Sequence
+from fractions import Fraction
+from typing import cast
+
+from flint import acb, arb, fmpq, fmpq_poly
+
+from refdem.core.parameters import Exact
+from refdem.truth.balls import arb_of
+from refdem.truth.exact import number, numbers
+from refdem.truth.witnesses.testimony import Claimed, Said, Witness
+
+BISECTIONS = 110
+"""Halvings of an interval of 1/8: more than the digits that are compared."""
+
+
+def bifurcations(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claimed) -> Said:
+    """Every row of the case bifurcations."""
+    said = {"forces.0": arb_of(number(p, "f0")), "forces.1": arb_of(number(p, "f0"))}
+    for name, found in zip(("lower-fold", "upper-fold"), double_roots(p), strict=True):
+        said |= {f"{name}.{i}": value for i, value in enumerate(found)}
+    said |= {f"drives.{i}": drive for i, drive in enumerate(drives(p))}
+    eta = arb_of(number(p, "eta"))
+    # Both iterates have the sum 1 + 1/eta and the product (1 + 1/eta)/eta.
+    mean = (1 + 1 / eta) / 2
+    half = (mean * mean - 2 * mean / eta).sqrt()
+    said |= {"two-cycle.0": mean + half, "two-cycle.1": mean - half}
+    said |= {
+        "doubling-of-1": doubling(1, Fraction(23, 8)),
+        "doubling-of-2": doubling(2, Fraction(27, 8)),
+        "doubling-of-4": doubling(4, Fraction(7, 2)),
+    }
+    yield None, said
+
+
+def double_roots(p: Mapping[str, Exact]) -> list[list[arb]]:
+    """Drive and amplitude of both folds, the lower first, from a discriminant.
+
+    That of the cubic in S
+
+        h^2 S^3 + 2 h g S^2 + (g^2 + d q) S - f0^2,   g = alpha - q, d = 4 delta^2, q = w^2,
+
+    vanishes, and its double root is (9 a e - b c)/(2 (b^2 - 3 a c)) of a S^3 + b S^2 + c S + e.
+    """
+    values = {
+        name: fmpq(value.numerator, value.denominator)
+        for name, value in numbers(p, "alpha", "beta", "delta", "f0").items()
+    }
+    h = values["beta"] * 3 / 4
+    q = fmpq_poly([0, 1])
+    g = values["alpha"] - q
+    a = fmpq_poly([h * h])
+    b = 2 * h * g
+    c = g * g + 4 * values["delta"] * values["delta"] * q
+    e = fmpq_poly([-values["f0"] * values["f0"]])
+    discriminant = (
+        18 * a * b * c * e - 4 * b**3 * e + b * b * c * c - 4 * a * c**3 - 27 * a * a * e * e
+    )
+    found = []
+    for root in roots(discriminant):
+        if root.imag != 0 or not root.real > 0:
+            continue
+        square = root.real
+        a_, b_, c_, e_ = (_at(polynomial, square) for polynomial in (a, b, c, e))
+        s = (9 * a_ * e_ - b_ * c_) / (2 * (b_ * b_ - 3 * a_ * c_))
+        if s > 0:
+            found.append([square.sqrt(), s.sqrt()])
+    return sorted(found, key=lambda pair: float(pair[1].mid()))
+
+
+def roots(polynomial: fmpq_poly) -> list[acb]:
+    """The roots, real and complex, each in a ball of its own."""
+    return [root for root, _ in cast("list[tuple[acb, int]]", polynomial.complex_roots())]
+
+
+def _at(polynomial: fmpq_poly, x: arb) -> arb:
+    """The value of a polynomial at a ball, by Horner's scheme."""
+    value = arb(0)
+    for coefficient in reversed(polynomial.coeffs()):
+        value = value * x + arb(coefficient)
+    return value
+
+
+def drives(p: Mapping[str, Exact]) -> list[arb]:
+    """Both drives of an amplitude: roots of the quadratic (k - q)^2 + 4 delta^2 q = f0^2/A^2."""
+    values = {
+        name: fmpq(value.numerator, value.denominator)
+        for name, value in numbers(p, "amplitude", "alpha", "beta", "delta", "f0").items()
+    }
+    k = values["alpha"] + values["beta"] * values["amplitude"] * values["amplitude"] * 3 / 4
+    ratio = values["f0"] / values["amplitude"]
+    quadratic = fmpq_poly([k * k - ratio * ratio, 4 * values["delta"] * values["delta"] - 2 * k, 1])
+    found = [root.real.sqrt() for root in roots(quadratic)]
+    return sorted(found, key=lambda root: float(root.mid()))
+
+
+def doubling(period: int, low: Fraction) -> arb:
+    """The parameter in [low, low + 1/8] at which the multiplier of the stable cycle falls below -1:
+    halved where its sign plus 1 changes.
+    """
+    high = low + Fraction(1, 8)
+    for _ in range(BISECTIONS):
+        middle = (low + high) / 2
+        if multiplier(middle, period) > -1:
+            low = middle
+        else:
+            high = middle
+    return arb_of((low + high) / 2)
+
+
+def multiplier(eta: Fraction, period: int) -> arb:
+    """The product of the slopes eta (1 - 2 x) along the cycle next to which 1/2 comes."""
+    parameter = arb_of(eta)
+    x = arb(1) / 2
+    # Newton's method from an iterate that has come near to the cycle.
+    for _ in range(64 * period):
+        x = _middle(parameter * x * (1 - x))
+    for _ in range(12):
+        image, slope = _image(parameter, x, period)
+        x = _middle(x - (image - x) / (slope - 1))
+    return _image(parameter, x, period)[1]
+
+
+def _image(eta: arb, x: arb, period: int) -> tuple[arb, arb]:
+    """The iterate of x after a period, and its derivative by x."""
+    slope = arb(1)
+    for _ in range(period):
+        slope = slope * eta * (1 - 2 * x)
+        x = eta * x * (1 - x)
+    return x, slope
+
+
+def _middle(ball: arb) -> arb:
+    """The middle of a ball: what is followed is a number, and not what encloses one."""
+    middle: arb = ball.mid()
+    return middle
+
+
+WITNESSES = {
+    "bifurcations": Witness(
+        "double roots by discriminants; multipliers along cycles by bisection"
+        " (truth/witnesses/bifurcations.py)",
+        bifurcations,
+    ),
+}
