@@ -302,7 +302,7 @@ class Separatrix(Nodal):
 
     @cached_property
     def rate(self) -> arb:
-        """The rate u' [1/s]."""
+        """The rate u' [1/s], which is constant."""
         low, _, high = self.order
         start = self.start
         # L u' sech^2 u = M_2' = g M_1 M_3 = g s_1 s_3 L^2 sech^2 u: u' = L g s_1 s_3.
@@ -312,7 +312,7 @@ class Separatrix(Nodal):
 
     @cached_property
     def shift(self) -> arb:
-        """u at the start."""
+        """The argument u at the start."""
         # sinh u = M_2/(L sech u).
         across = arb_of(self.across2).sqrt()
         return (arb_of(self.start.momentum[self.axis]) / across).asinh()
@@ -406,7 +406,7 @@ class Elliptic(Nodal):
 
     @cached_property
     def squares(self) -> tuple[Any, Any, Any]:
-        """A^2, B^2 and C^2, exact if the start is."""
+        """The squares A^2, B^2 and C^2, exact if the start is."""
         g_other, g_mid, g_axis = (1 / self.start.inertia[i] for i in self.axes)
         # 2 E - L^2 g_c = M_a^2 (g_a - g_c) + M_2^2 (g_2 - g_c), with g = 1/J, is kept: A^2 is M_a^2
         # where M_2 = 0, B^2 is M_2^2 where M_a = 0.
@@ -417,7 +417,7 @@ class Elliptic(Nodal):
 
     @cached_property
     def sizes(self) -> list[arb]:
-        """A, B and C [kg m^2/s]."""
+        """The sizes A, B and C [kg m^2/s]."""
         return [arb_of(square).sqrt() for square in self.squares]
 
     @cached_property
@@ -437,7 +437,7 @@ class Elliptic(Nodal):
 
     @cached_property
     def growth_along_middle(self) -> Any:
-        """g in M_2' = g M_a M_c."""
+        """The factor g in M_2' = g M_a M_c."""
         return growth_along_middle(self.start.inertia, self.other, self.axis)
 
     @cached_property
@@ -456,14 +456,14 @@ class Elliptic(Nodal):
 
     @cached_property
     def rate(self) -> arb:
-        """The rate u' [1/s]."""
+        """The rate u' [1/s], which is constant."""
         a, b, c = self.sizes
         # B sn' = B u' cn dn = |g| A C cn dn.
         return a * c / b * arb_of(abs(self.growth_along_middle))
 
     @cached_property
     def shift(self) -> arb:
-        """u at the start, which gives the momentum there."""
+        """The argument u at the start, which gives the momentum there."""
         a, b, _ = self.sizes
         sn = self.sign_b * arb_of(self.start.momentum[self.mid]) / b
         cn = arb_of(self.start.momentum[self.other]) / a

@@ -34,7 +34,7 @@ class HeadOnContact:
 
     @cached_property
     def decay(self) -> arb:
-        """b = c/(2m) [1/s]."""
+        """Half the rate of decay, b = c/(2m) [1/s]."""
         return arb_of(self.pair.half_decay)
 
     @cached_property

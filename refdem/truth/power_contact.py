@@ -47,12 +47,12 @@ class PowerContact:
 
     @cached_property
     def a(self) -> arb:
-        """a = 1/(n + 1)."""
+        """The inverse power a = 1/(n + 1)."""
         return arb_of(1 / (self.exponent + 1))
 
     @cached_property
     def power(self) -> arb:
-        """n + 1."""
+        """The power n + 1 of the energy."""
         return arb_of(self.exponent + 1)
 
     @cached_property

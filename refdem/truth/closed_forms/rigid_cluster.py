@@ -97,17 +97,17 @@ class AboutAxis(FreeBody):
 
     @cached_property
     def length(self) -> arb:
-        """|L| [kg m^2/s]."""
+        """The angular momentum |L| [kg m^2/s]."""
         return rotation.dot(self.momentum, self.momentum).sqrt()
 
     @cached_property
     def unit_momentum(self) -> list[arb]:
-        """L/|L|."""
+        """The direction L/|L| of the angular momentum."""
         return [m / self.length for m in self.momentum]
 
     @cached_property
     def twice_energy(self) -> arb:
-        """2 E = L . omega [J]."""
+        """Twice the energy, 2 E = L . omega [J]."""
         return rotation.dot(self.momentum, self.start)
 
     @cached_property

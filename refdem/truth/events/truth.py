@@ -377,12 +377,12 @@ class HybridFlow(Guarded, Truth):
 
     @cached_property
     def programs(self) -> Mapping[str, Traced]:
-        """The modes as programs."""
+        """The modes as programs, by name."""
         return traced_modes(self.modes, len(self.begin))
 
     @cached_property
     def reading(self) -> TracedReading:
-        """The quantities as programs."""
+        """The quantities as programs of a state."""
         return TracedReading(self.quantities, len(self.begin))
 
     @cached_property
