@@ -6,7 +6,7 @@ import os
 import random
 from collections.abc import Mapping, Sequence
 from copy import copy
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from fractions import Fraction
 from typing import Any
 
@@ -213,12 +213,11 @@ def displaced_corners(instance: Instance, given: Mapping[str, str], truth: Phase
     found = []
     for moved in by_parameters(instance, given, along_axes(2)):
         for number, motion in enumerate(moved.motions):
-            one = copy(truth)
-            one.corners = [*truth.corners]
-            one.corners[number] = moved.corners[number]
-            one.motions = [*truth.motions]
-            one.motions[number] = motion
-            found.append(one)
+            corners = [*truth.corners]
+            corners[number] = moved.corners[number]
+            motions = [*truth.motions]
+            motions[number] = motion
+            found.append(replace(truth, corners=tuple(corners), motions=tuple(motions)))
     return found
 
 

@@ -160,7 +160,7 @@ def _through_events(truth: HybridFlow, t: Fraction) -> arb_mat:
     if key not in kept:
         start = balls_of(truth.begin)
         steps = Steps(jacobian_bits=JACOBIAN_BITS)
-        kept[key] = HybridMotion(truth.modes, start, truth.first(start), ctx.prec, steps)
+        kept[key] = HybridMotion(truth.programs, start, truth.first(start), ctx.prec, steps)
     flow = kept[key].jacobian(arb_of(t)).table()
     scales = [arb_of(truth.scale[name]) for name in truth.state]
     moved = list(zip(truth.moved, scales, strict=True))

@@ -14,6 +14,7 @@ from refdem.truth.closed_forms.impact_benchmarks.three_spheres import ThreeSpher
 from refdem.truth.closed_forms.impact_benchmarks.wall import WallImpact
 from refdem.truth.closed_forms.spinning_spheres import SpinningSpheres
 from refdem.truth.collision import Collision
+from refdem.truth.refiner import Refiner
 
 Values = Mapping[str, Ball]
 Change = Callable[[Fraction, Values], Mapping[str, Fraction]]
@@ -118,7 +119,7 @@ def other_parameters(truth: Collision, size: Fraction) -> list[Collision]:
             spins = list(pair.spins)
             spins[place] += spin
             pairs.append(replace(pair, spins=tuple(spins)))
-    return [type(truth)(truth.scale, pair) for pair in pairs]
+    return [type(truth)(Refiner.of(truth.scale), pair) for pair in pairs]
 
 
 def spins_of(truth: Collision) -> list[int]:

@@ -2,8 +2,19 @@
 
 Theorem: the quantities at t are those of the motion through the phases of the contact
 (contact_phases.py in the plane, spatial_phases.py out of it), by validated integration through
-events (events/truth.py, where the hypotheses are, and where each is checked). Phases are given in
-units of their own, which are exact; so S is that of the phases, read in the scales of both bodies.
+events (events/truth.py). Errors are counted in the quantities of both bodies; the centre of mass
+moves uniformly.
+
+Hypotheses, and where each is checked:
+
+* those of a motion through events: events/truth.py says where;
+* t >= 0, after touch: `Collision.at`;
+* the units of the phases are exact, so that S is that of the phases, read in the scales of both
+  bodies: they are dyadic (contact_phases.py);
+* a formula is used only where the parameters say exactly that it holds: `formula_at`.
+
+Formula: x1 = x_c + m2/M r, x2 = x_c - m1/M r, with r = x1 - x2 (`moved_by_shares`); x_c + t v_c for
+the centre of mass (`drift`).
 
 This class is abstract; what collides is final: two spheres, three, one and a wall.
 """
@@ -11,7 +22,9 @@ This class is abstract; what collides is final: two spheres, three, one and a wa
 from abc import abstractmethod
 from collections.abc import Callable, Mapping, Sequence
 from copy import copy
+from dataclasses import dataclass
 from fractions import Fraction
+from functools import cached_property
 from math import pi, sqrt
 from typing import Any, Self
 
@@ -26,7 +39,7 @@ from refdem.truth.events.phase import Phase
 from refdem.truth.events.truth import EventProof
 from refdem.truth.growth import Stretch, inverted, smooth
 from refdem.truth.reals import Number
-from refdem.truth.refiner import Refiner, Size
+from refdem.truth.refiner import Refiner
 from refdem.truth.validated_ivp.integration import GUARD
 
 FLIGHT = arb(2) ** -30
@@ -35,31 +48,31 @@ Formula = Callable[[], dict[str, arb]]
 """Quantities as balls at the current precision."""
 
 
+@dataclass(frozen=True)
 class Collision(Guarded, Truth):
-    """The motion through a contact as quantities of the bodies.
+    """The motion through a contact as quantities of the bodies, which `refiner` has the scales of.
 
-    `phases` are those of the contact, in units of their own; `proof` follows them from event to
-    event; `effective_mass` [kg] is that of the relative motion. Errors are counted in the
+    Errors are counted in the
     quantities of both bodies, while a mode knows their relative motion only: `beside`, `chart` and
     `drift` add the centre of mass, which moves uniformly.
     """
 
-    phases: LinearContact
-    proof: EventProof[ContactMotion]
-    effective_mass: Number
+    refiner: Refiner
 
-    def collide(
-        self,
-        scale: Mapping[str, Size],
-        phases: LinearContact,
-        effective_mass: Number,
-        *,
-        digits: int,
-    ) -> None:
-        """Sets the phases that are followed, the scales of the quantities, and the digits."""
-        self.phases = phases
-        self.effective_mass = effective_mass
-        self.proof = EventProof(self, Refiner.of(scale, digits=digits), "two-spheres ")
+    @cached_property
+    @abstractmethod
+    def phases(self) -> LinearContact:
+        """The phases of the contact, in units of their own."""
+
+    @property
+    @abstractmethod
+    def effective_mass(self) -> Number:
+        """The mass [kg] of the relative motion."""
+
+    @cached_property
+    def proof(self) -> EventProof[ContactMotion]:
+        """The proof that follows the phases from event to event, with the motions followed."""
+        return EventProof(self, self.refiner, "two-spheres ")
 
     @abstractmethod
     def units(self) -> list[Fraction]:
@@ -102,7 +115,7 @@ class Collision(Guarded, Truth):
     @property
     def scale(self) -> Mapping[str, Fraction]:
         """The size of each quantity, against which its error counts."""
-        return self.proof.refiner.scale
+        return self.refiner.scale
 
     @property
     def clock_unit(self) -> Fraction:
@@ -112,7 +125,7 @@ class Collision(Guarded, Truth):
     def refined(self, digits: int) -> Self:
         """The same truth with radii of at most 10^-digits."""
         other = copy(self)
-        other.proof = self.proof.to(digits)
+        vars(other).update(refiner=self.refiner.to(digits), proof=self.proof.to(digits))
         return other
 
     def at(self, t: Fraction) -> dict[str, Ball]:
@@ -124,7 +137,7 @@ class Collision(Guarded, Truth):
         what = f"at t = {float(t):.17g} s"
         formula = self.formula_at(t)
         if formula is not None:
-            return self.proof.refiner.balls(formula, what)
+            return self.refiner.balls(formula, what)
 
         def quantities_at_t(motion: ContactMotion) -> dict[str, arb]:
             relative = motion.place(self.clock(t))
@@ -136,7 +149,7 @@ class Collision(Guarded, Truth):
         """Values that do not depend on time."""
         formula = self.formula_of_scalars()
         if formula is not None:
-            return self.proof.refiner.balls(formula, "scalars")
+            return self.refiner.balls(formula, "scalars")
         return self.proof.climbed(self.extremes, "scalars")
 
     def sensitivity(self, t: Fraction) -> float:

@@ -33,8 +33,9 @@ Hypotheses, and where each is checked:
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from fractions import Fraction
+from functools import cached_property
 from math import frexp, inf, isfinite
 
 import numpy as np
@@ -108,37 +109,54 @@ class Instant:
     lead: arb
 
 
+@dataclass(frozen=True)
 class EnergyGrowth:
     """S of a motion of one degree of freedom.
 
-    `place` X and `speed` V are the scales of x and v; `readings` gives the derivative (q, 2) of the
-    quantities by a state (x, v), in scales. `half` [s] is half the width of a cell; over one period
-    k grows by `gained`.
+    `scale_of_place` X and `scale_of_speed` V are the scales of x and v; `readings` gives the
+    derivative (q, 2) of the quantities by a state (x, v), in scales. `instants` has those at the
+    middles of the first cells, as far as they were asked for.
     """
 
-    def __init__(
-        self,
-        line: Line,
-        place: Fraction,
-        speed: Fraction,
-        readings: Callable[[tuple[arb, arb]], arb_mat],
-    ) -> None:
-        self.line = line
-        self.readings = readings
-        self.place = arb_of(place)
-        self.speed = arb_of(speed)
-        # `quick` = max(1/rho, rho |f'|) of the theorem on cells.
-        ratio = self.place / self.speed
-        quick = arb.max(1 / ratio, ratio * line.steepest)
-        self.quick = float(quick.upper()) * UPWARDS
-        # Cells of a width at whose ends an error has changed by the part WIDEST, at most.
+    line: Line
+    scale_of_place: Fraction
+    scale_of_speed: Fraction
+    readings: Callable[[tuple[arb, arb]], arb_mat]
+    instants: list[Instant] = field(default_factory=list, init=False, compare=False, repr=False)
+
+    @cached_property
+    def place(self) -> arb:
+        """The scale X of x, as a ball."""
+        return arb_of(self.scale_of_place)
+
+    @cached_property
+    def speed(self) -> arb:
+        """The scale V of v, as a ball."""
+        return arb_of(self.scale_of_speed)
+
+    @cached_property
+    def quick(self) -> float:
+        """A bound of max(1/rho, rho |f'|) [1/s], of the theorem on cells."""
+        # rho = X/V.
+        rho = self.place / self.speed
+        quick = arb.max(1 / rho, rho * self.line.steepest)
+        return float(quick.upper()) * UPWARDS
+
+    @cached_property
+    def half(self) -> Fraction:
+        """Half the width [s] of a cell: at its ends an error has changed by the part WIDEST, at
+        most.
+        """
         # A power of two between WIDEST/2 and WIDEST over `quick`, which is m 2^e with 1/2 <= m < 1.
         exponent = frexp(self.quick)[1]
-        self.half = Fraction(WIDEST) * Fraction(2) ** -exponent
-        self.instants: list[Instant] = []
-        self.gained = arb(0)
-        if line.period is not None:
-            self.gained = self.lead(line.period) - self.lead(arb(0))
+        return Fraction(WIDEST) * Fraction(2) ** -exponent
+
+    @cached_property
+    def gained(self) -> arb:
+        """What the lead k grows by in a period; 0 without one."""
+        if self.line.period is None:
+            return arb(0)
+        return self.lead(self.line.period) - self.lead(arb(0))
 
     def at(self, t: Fraction) -> float:
         """S(t) >= 1; BOUNDLESS where doubles end."""
@@ -148,6 +166,7 @@ class EnergyGrowth:
     def unrounded_at(self, t: Fraction) -> float:
         """S(t) before it is rounded up; not finite where doubles end."""
         period = self.line.period
+        # t = since + periods P.
         since = arb_of(t)
         periods = 0
         if period is not None:
@@ -157,13 +176,14 @@ class EnergyGrowth:
         read = self.read(since)
         elapsed = max(upper(since), Fraction(0))
         # Errors of this period: those of whole cells, and those that are made since the last of
-        # them.
+        # them, which grow by exp(quick rest) at most (theorem on cells).
         ended = int(elapsed // (2 * self.half))
         rest = float(elapsed - ended * 2 * self.half)
         of_last_cell = float(np.abs(read).sum(axis=1).max() * np.exp(self.quick * rest)) * UPWARDS
         bound = max(of_last_cell, self.grown(read, now, ended, 0))
         if periods and period is not None:
-            # All cells of a period; the norm is largest for the fewest or the most periods between.
+            # All cells of a period. By the theorem on all times the norm is largest for the fewest
+            # or the most periods between.
             count = -int(-upper(period) // (2 * self.half))
             bound = max(bound, *(self.grown(read, now, count, n) for n in {1, periods}))
         return bound
@@ -183,7 +203,7 @@ class EnergyGrowth:
         """The lead k = (K + P . Z/W^2) X V/H', up to a constant."""
         neighbour = self.line.neighbour(t)
         z_x, z_v = self.rates(t)
-        # P . Z with P in scales.
+        # k = (K + P . Z/W^2) X V/H', with P in scales and W^2 = Z . Z.
         along_motion = neighbour.place / self.place * z_x + neighbour.speed / self.speed * z_v
         ahead = neighbour.along + along_motion / (z_x * z_x + z_v * z_v)
         return ahead * self.place * self.speed / neighbour.energy

@@ -1,16 +1,28 @@
-"""The free rigid body in its principal axes: Euler's equations and the turn from the start, by
-closed form.
+"""The free rigid body in its principal axes, by closed form: omega, and the turn from the start.
 
-With M = J omega (body axes) and L = |M|, one body axis k that M never meets is followed about the
-fixed M: its line of nodes turns by phi, phi' = L (2 E - M_k omega_k)/(L^2 - M_k^2). E and L are
-kept, so phi is an integral of elliptic functions, which Jacobi's theta function gives without a
-branch: exp(i phi) = exp(i nu t) Theta(u + i a)/|Theta(u + i a)| up to a constant. Jacobi (1850);
-Whittaker, Analytical Dynamics, 69-71; van Zon and Schofield (2007).
+Theorem: with M = J omega (body axes), M' = M x omega, E and L = |M| are kept, and one of four
+formulas gives M and the turn at all times (Jacobi 1850; Whittaker, Analytical Dynamics, 69-71; van
+Zon and Schofield 2007). One body axis k that M never meets is followed about the fixed M: its line
+of nodes turns by phi, phi' = L (2 E - M_k omega_k)/(L^2 - M_k^2).
+
+Hypotheses, and where each is checked:
+
+* steady, M parallel to omega; two equal moments; separatrix, 2 E J2 = L^2: each is decided of the
+  exact start (`kind`), or of an exact tensor (rigid_cluster.py);
+* all else is elliptic: about which axis M goes is decided by balls (`Elliptic.of`), and the
+  parameter m lies in (0, 1) (Jacobi, jacobi.py); UndecidedError where balls cannot tell.
+
+Formula: M by tanh and sech, or by cn, sn and dn; phi is an integral of elliptic functions, which
+Jacobi's theta function gives without a branch: exp(i phi) = exp(i nu t) Theta(u + i a)/|Theta(u + i
+a)| up to a constant. The turn is that of phi about M, between the frames of M and the line of nodes
+at both ends.
 """
 
 from abc import ABC, abstractmethod
-from collections.abc import Sequence
-from typing import Any, ClassVar
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any, ClassVar, Self
 
 from flint import acb, arb
 
@@ -37,22 +49,9 @@ AXES = (0, 1, 2)
 
 
 class FreeBody(ABC):
-    """One kind of motion of a free rigid body, at the current precision.
-
-    It starts with principal moments J [kg m^2] and omega [rad/s] in body axes at t = 0. `start` is
-    that omega, `momentum0` is M = J omega there, `l2` is L^2, exact if the start is, and `length`
-    is L.
-    """
+    """One kind of motion of a free rigid body, at the precision at which it was made."""
 
     method: ClassVar[str]
-
-    def begin(self, inertia: Exact3 | Balls3, omega: Exact3 | Balls3) -> None:
-        """Sets the inertia, omega and the momentum M = J omega at the start."""
-        self.inertia: tuple[Any, ...] = tuple(inertia)
-        self.start: tuple[Any, ...] = tuple(omega)
-        self.momentum0 = tuple(j * w for j, w in zip(self.inertia, self.start, strict=True))
-        self.l2 = dot_exact(self.momentum0, self.momentum0)
-        self.length = arb_of(self.l2).sqrt()
 
     @abstractmethod
     def omega(self, t: arb) -> list[arb]:
@@ -88,29 +87,57 @@ class FreeBody(ABC):
         """
 
 
+@dataclass(frozen=True)
+class Principal:
+    """The start of a free body in its principal axes, and what it keeps.
+
+    `inertia` J [kg m^2] and `omega` [rad/s] are those at t = 0, `momentum` is M = J omega there,
+    `l2` is L^2, exact if the start is, and `length` is L.
+    """
+
+    inertia: tuple[Any, ...]
+    omega: tuple[Any, ...]
+    momentum: tuple[Any, ...]
+    l2: Any
+    length: arb
+
+    @classmethod
+    def of(cls, inertia: Exact3 | Balls3, omega: Exact3 | Balls3) -> Self:
+        """The start with these principal moments and this omega, at the current precision."""
+        # M = J omega, L^2 = M . M.
+        pairs: Iterable[tuple[Any, Any]] = zip(inertia, omega, strict=True)
+        momentum = tuple(j * w for j, w in pairs)
+        l2 = dot_exact(momentum, momentum)
+        return cls(tuple(inertia), tuple(omega), momentum, l2, arb_of(l2).sqrt())
+
+    def twice_energy(self) -> Any:
+        """2 E = M . omega [J], exact if the start is."""
+        return dot_exact(self.momentum, self.omega)
+
+
+@dataclass(frozen=True)
 class Steady(FreeBody):
     """A steady spin: omega is parallel to M, or zero, and is constant."""
 
     method = "steady spin: omega stays and the body turns about it"
 
-    def __init__(self, inertia: Exact3 | Balls3, omega: Exact3 | Balls3) -> None:
-        self.begin(inertia, omega)
+    start: Principal
 
     def omega(self, t: arb) -> list[arb]:
         """The constant omega (3) [rad/s] in body axes."""
-        return [arb_of(w) for w in self.start]
+        return [arb_of(w) for w in self.start.omega]
 
     def turn(self, t: arb) -> list[arb]:
         """The quaternion of the turn by |omega| t about omega; 1 if the body rests."""
         omega = self.omega(t)
-        rate = arb_of(dot_exact(self.start, self.start)).sqrt()
+        rate = length_of(self.start.omega)
         if rate > 0:
             return turn([w / rate for w in omega], rate * t)
         return [arb(1), arb(0), arb(0), arb(0)]
 
     def fastest(self) -> arb:
         """The constant |omega| [rad/s]."""
-        return length_of(self.start)
+        return length_of(self.start.omega)
 
     def lead(self, t: arb) -> arb:
         """Raises UndecidedError: a steady spin has no lead."""
@@ -120,33 +147,48 @@ class Steady(FreeBody):
         )
 
 
+@dataclass(frozen=True)
 class Axisymmetric(FreeBody):
     """Two equal moments J1: in body axes omega turns about the third axis at the constant rate
     omega_3 - M_3/J1 backwards.
 
     The attitude is a turn about the fixed M at the rate L/J1, after one about the body's third axis
-    at omega_3 - M_3/J1. `axis` is that axis, `across` is J1, `rate` the second rate.
+    at omega_3 - M_3/J1.
     """
 
     method = "two equal moments: one turn about L after one about the body's own axis"
 
-    def __init__(self, inertia: Exact3 | Balls3, omega: Exact3 | Balls3) -> None:
-        self.begin(inertia, omega)
-        self.axis = next(k for k in AXES if inertia[(k + 1) % 3] == inertia[(k + 2) % 3])
-        self.across = self.inertia[(self.axis + 1) % 3]
-        self.rate = arb_of(self.start[self.axis] - self.momentum0[self.axis] / self.across)
+    start: Principal
+
+    @cached_property
+    def axis(self) -> int:
+        """The body's own axis: that which is not of the two equal moments."""
+        inertia = self.start.inertia
+        return next(k for k in AXES if inertia[(k + 1) % 3] == inertia[(k + 2) % 3])
+
+    @property
+    def across(self) -> Any:
+        """The two equal moments J1 [kg m^2]."""
+        return self.start.inertia[(self.axis + 1) % 3]
+
+    @cached_property
+    def rate(self) -> arb:
+        """The rate omega_3 - M_3/J1 [rad/s] about the own axis."""
+        start = self.start
+        return arb_of(start.omega[self.axis] - start.momentum[self.axis] / self.across)
 
     def omega(self, t: arb) -> list[arb]:
         """omega (3) [rad/s] at t: that of the start, turned about the body's own axis by -rate
         t.
         """
         backwards = matrix(turn(_unit(self.axis), -self.rate * t))
-        return applied(backwards, [arb_of(w) for w in self.start])
+        return applied(backwards, [arb_of(w) for w in self.start.omega])
 
     def turn(self, t: arb) -> list[arb]:
         """The quaternion of the turn about M by L t/J1, after that about the own axis by rate t."""
-        momentum_axis = [arb_of(m) / self.length for m in self.momentum0]
-        about_momentum = turn(momentum_axis, self.length / arb_of(self.across) * t)
+        length = self.start.length
+        momentum_axis = [arb_of(m) / length for m in self.start.momentum]
+        about_momentum = turn(momentum_axis, length / arb_of(self.across) * t)
         about_own_axis = turn(_unit(self.axis), self.rate * t)
         return times(about_momentum, about_own_axis)
 
@@ -156,22 +198,30 @@ class Axisymmetric(FreeBody):
 
     def fastest(self) -> arb:
         """The largest |omega| [rad/s], which stays."""
-        return length_of(self.start)
+        return length_of(self.start.omega)
 
     def lead(self, t: arb) -> arb:
         """The lead k = k' t with the constant k' of `steady_lead`."""
-        twice_energy = arb_of(dot_exact(self.momentum0, self.start))
-        square = arb_of(dot_exact(self.start, self.start))
-        return steady_lead(arb_of(self.inertia[self.axis]), twice_energy, self.length, square) * t
+        start = self.start
+        own_moment = arb_of(start.inertia[self.axis])
+        twice_energy = arb_of(start.twice_energy())
+        square = arb_of(dot_exact(start.omega, start.omega))
+        return steady_lead(own_moment, twice_energy, start.length, square) * t
 
 
+@dataclass(frozen=True)
 class Nodal(FreeBody):
     """Motions that are given by M in body axes and by the angle phi of the line of nodes.
 
     The line of nodes is that of the body axis `axis`, which M never meets: it turns about M by phi.
     """
 
-    axis: int
+    start: Principal
+
+    @property
+    @abstractmethod
+    def axis(self) -> int:
+        """The body axis that M never meets."""
 
     @abstractmethod
     def momentum(self, t: arb) -> list[arb]:
@@ -183,7 +233,8 @@ class Nodal(FreeBody):
 
     def omega(self, t: arb) -> list[arb]:
         """omega_i = M_i/J_i (3) [rad/s] in body axes at t."""
-        return [m / arb_of(j) for m, j in zip(self.momentum(t), self.inertia, strict=True)]
+        moments = self.start.inertia
+        return [m / arb_of(j) for m, j in zip(self.momentum(t), moments, strict=True)]
 
     def turn(self, t: arb) -> list[arb]:
         """The quaternion of R = F(0)^T Z(phi) F(t), with F of `_frame` and Z a turn about M.
@@ -210,46 +261,73 @@ class Nodal(FreeBody):
         momentum = self.momentum(t)
         k = self.axis
         across = sum((momentum[i] * momentum[i] for i in AXES if i != k), arb(0)).sqrt()
-        along = [x / self.length for x in momentum]
+        length = self.start.length
+        along = [x / length for x in momentum]
         first = [-along[k] * momentum[i] / across for i in AXES]
-        first[k] = across / self.length
+        first[k] = across / length
         return [first, cross(along, first), along]
 
 
+@dataclass(frozen=True)
 class Separatrix(Nodal):
     """The separatrix 2 E J2 = L^2: M_2 = L tanh u, M_i = s_i L sech u for the other two axes, u =
     rate t + shift.
 
-    About M the line of nodes of the intermediate axis turns at L/J2. `shares` has s_i, with s_1^2 +
-    s_3^2 = 1.
+    About M the line of nodes of the intermediate axis turns at L/J2.
     """
 
     method = "separatrix: tanh and sech, the line of nodes of axis 2 turns at L/J2"
 
-    def __init__(self, inertia: Exact3 | Balls3, omega: Exact3 | Balls3) -> None:
-        self.begin(inertia, omega)
-        low, self.axis, high = sorted(AXES, key=lambda i: self.inertia[i])
-        # M_1^2 + M_3^2 = L^2 sech^2 u at the start.
-        across2 = self.l2 - self.momentum0[self.axis] ** 2
-        across = arb_of(across2).sqrt()
-        self.shares = {i: arb_of(self.momentum0[i]) / across for i in (low, high)}
+    @cached_property
+    def order(self) -> list[int]:
+        """The axes of the smallest, the intermediate and the largest moment."""
+        return rising(self.start.inertia)
+
+    @property
+    def axis(self) -> int:
+        """The axis of the intermediate moment."""
+        return self.order[1]
+
+    @cached_property
+    def across2(self) -> Any:
+        """M_1^2 + M_3^2 = L^2 sech^2 u at the start."""
+        return self.start.l2 - self.start.momentum[self.axis] ** 2
+
+    @cached_property
+    def shares(self) -> dict[int, arb]:
+        """s_i = M_i/(L sech u) of the other two axes, with s_1^2 + s_3^2 = 1."""
+        low, _, high = self.order
+        across = arb_of(self.across2).sqrt()
+        return {i: arb_of(self.start.momentum[i]) / across for i in (low, high)}
+
+    @cached_property
+    def rate(self) -> arb:
+        """The rate u' [1/s], which is constant."""
+        low, _, high = self.order
+        start = self.start
         # L u' sech^2 u = M_2' = g M_1 M_3 = g s_1 s_3 L^2 sech^2 u: u' = L g s_1 s_3.
-        rate = _growth(self, low, high) * self.momentum0[low] * self.momentum0[high] / across2
-        self.rate = self.length * arb_of(rate)
+        growth = growth_along_middle(start.inertia, low, high)
+        rate = growth * start.momentum[low] * start.momentum[high] / self.across2
+        return start.length * arb_of(rate)
+
+    @cached_property
+    def shift(self) -> arb:
+        """The argument u at the start."""
         # sinh u = M_2/(L sech u).
-        self.shift = (arb_of(self.momentum0[self.axis]) / across).asinh()
+        across = arb_of(self.across2).sqrt()
+        return (arb_of(self.start.momentum[self.axis]) / across).asinh()
 
     def momentum(self, t: arb) -> list[arb]:
         """M (3) at t: L tanh u along the intermediate axis, s_i L sech u along the others."""
         u = self.rate * t + self.shift
-        across = self.length / u.cosh()
+        across = self.start.length / u.cosh()
         momentum = {i: share * across for i, share in self.shares.items()}
-        momentum[self.axis] = self.length * u.tanh()
+        momentum[self.axis] = self.start.length * u.tanh()
         return [momentum[i] for i in AXES]
 
     def nodes(self, t: arb) -> acb:
         """exp(i L t/J2): the line of nodes of the intermediate axis turns uniformly."""
-        return (acb(0, 1) * self.length / arb_of(self.inertia[self.axis]) * t).exp()
+        return (acb(0, 1) * self.start.length / arb_of(self.start.inertia[self.axis]) * t).exp()
 
     def constants(self) -> dict[str, arb]:
         """The elliptic parameter 1; a separatrix has no period."""
@@ -259,10 +337,10 @@ class Separatrix(Nodal):
         """The largest |omega|: |omega|^2 = sum of g_i^2 M_i^2, g = 1/J, bounded by its terms at
         their largest.
         """
-        squares = [
-            (self.length * share / arb_of(self.inertia[i])) ** 2 for i, share in self.shares.items()
-        ]
-        middle = (self.length / arb_of(self.inertia[self.axis])) ** 2
+        length = self.start.length
+        moments = self.start.inertia
+        squares = [(length * share / arb_of(moments[i])) ** 2 for i, share in self.shares.items()]
+        middle = (length / arb_of(moments[self.axis])) ** 2
         return (squares[0] + squares[1] + middle).sqrt()
 
     def lead(self, t: arb) -> arb:
@@ -271,95 +349,146 @@ class Separatrix(Nodal):
         Here b J^-1 b = g_2, w J^-1 w = g_1 + g_3 - g_2 (the trace, as m J^-1 m = 2 E/L^2 = g_2),
         and W = L |v| sech u.
         """
-        low, high = self.shares
-        g_low = 1 / arb_of(self.inertia[low])
-        g_high = 1 / arb_of(self.inertia[high])
-        g_mid = 1 / arb_of(self.inertia[self.axis])
-        across = self.length * self.shares[low] * self.shares[high] * (g_low - g_high)
+        low, _, high = self.order
+        g_low, g_mid, g_high = (1 / arb_of(self.start.inertia[i]) for i in self.order)
+        across = self.start.length * self.shares[low] * self.shares[high] * (g_low - g_high)
         u = self.rate * t + self.shift
         # The integral of cosh^2 u over t.
         integral = t / 2 + (2 * u).sinh() / (4 * self.rate)
         return (g_low + g_high - 2 * g_mid) / across**2 * integral
 
 
+@dataclass(frozen=True)
 class Elliptic(Nodal):
     """M_a = A cn u, M_2 = +-B sn u, M_c = +-C dn u with u = rate t + shift.
 
     c (`axis`) is the axis of largest or smallest J, whichever M goes about; a (`other`) is the
-    other one of both, 2 (`mid`) the axis of the intermediate J. `a2`, `b2`, `c2` are A^2, B^2, C^2,
-    `sizes` their roots, `m` the elliptic parameter. `sense` is 1 if J_a < J_c, else -1; `drift` is
-    nu of the module's formula.
+    other one of both, 2 (`mid`) the axis of the intermediate J. All numbers are computed when the
+    record is made.
     """
 
     method = "Jacobi elliptic functions for omega, Jacobi's theta function for the attitude"
 
-    def __init__(self, inertia: Exact3 | Balls3, omega: Exact3 | Balls3) -> None:
-        self.begin(inertia, omega)
-        self._choose_axes()
-        g_other, g_mid, g_axis = (1 / self.inertia[i] for i in (self.other, self.mid, self.axis))
-        # 2 E - L^2 g_c = M_a^2 (g_a - g_c) + M_2^2 (g_2 - g_c), with g = 1/J, is kept: A^2 is M_a^2
-        # where M_2 = 0, B^2 is M_2^2 where M_a = 0.
-        conserved = dot_exact(self.momentum0, self.start) - self.l2 * g_axis
-        self.a2 = conserved / (g_other - g_axis)
-        self.b2 = conserved / (g_mid - g_axis)
-        self.c2 = self.l2 - self.a2
-        # dn^2 = 1 - m sn^2: C^2 m = B^2 - A^2, as A^2 cn^2 + B^2 sn^2 + C^2 dn^2 = L^2.
-        self.m = (self.b2 - self.a2) / self.c2
-        self.jacobi = Jacobi(arb_of(self.m), arb_of((self.l2 - self.b2) / self.c2))
-        self.sizes = [arb_of(x).sqrt() for x in (self.a2, self.b2, self.c2)]
-        if g_other > g_axis:
-            self.sense = 1
-        else:
-            self.sense = -1
-        self._begin_at_start()
-        self._begin_nodes()
+    def __post_init__(self) -> None:
+        """Raises UndecidedError where balls cannot tell about which axis the body turns."""
+        # Every other number is a step towards these two.
+        for name in ("drift", "phase0"):
+            getattr(self, name)
 
-    def _choose_axes(self) -> None:
-        """Decides which axis M goes about: that of largest J if L^2 > 2 E J_2, else of smallest.
+    @cached_property
+    def axes(self) -> tuple[int, int, int]:
+        """The axes a, 2 and c: c has the largest J if L^2 > 2 E J_2, else the smallest.
 
         UndecidedError where balls cannot tell.
         """
-        low, mid, high = sorted(AXES, key=lambda i: self.inertia[i])
-        excess = self.l2 / self.inertia[mid] - dot_exact(self.momentum0, self.start)
+        low, mid, high = rising(self.start.inertia)
+        excess = self.start.l2 / self.start.inertia[mid] - self.start.twice_energy()
         if not (excess > 0 or excess <= 0):
             raise UndecidedError(f"about which axis it turns: {excess}")
-        self.mid = mid
         if excess > 0:
-            self.other = low
-            self.axis = high
-        else:
-            self.other = high
-            self.axis = low
+            return low, mid, high
+        return high, mid, low
 
-    def _begin_at_start(self) -> None:
-        """Sets signs, rate and shift, so that u gives the momentum of the start."""
+    @property
+    def other(self) -> int:
+        """a, the one of the axes of largest and smallest J that M does not go about."""
+        return self.axes[0]
+
+    @property
+    def mid(self) -> int:
+        """2, the axis of the intermediate J."""
+        return self.axes[1]
+
+    @property
+    def axis(self) -> int:
+        """c, the axis that M goes about."""
+        return self.axes[2]
+
+    @cached_property
+    def squares(self) -> tuple[Any, Any, Any]:
+        """The squares A^2, B^2 and C^2, exact if the start is."""
+        g_other, g_mid, g_axis = (1 / self.start.inertia[i] for i in self.axes)
+        # 2 E - L^2 g_c = M_a^2 (g_a - g_c) + M_2^2 (g_2 - g_c), with g = 1/J, is kept: A^2 is M_a^2
+        # where M_2 = 0, B^2 is M_2^2 where M_a = 0.
+        conserved = self.start.twice_energy() - self.start.l2 * g_axis
+        a2 = conserved / (g_other - g_axis)
+        b2 = conserved / (g_mid - g_axis)
+        return a2, b2, self.start.l2 - a2
+
+    @cached_property
+    def sizes(self) -> list[arb]:
+        """The sizes A, B and C [kg m^2/s]."""
+        return [arb_of(square).sqrt() for square in self.squares]
+
+    @cached_property
+    def jacobi(self) -> Jacobi:
+        """The elliptic functions of the parameter m."""
+        a2, b2, c2 = self.squares
+        # dn^2 = 1 - m sn^2: C^2 m = B^2 - A^2, as A^2 cn^2 + B^2 sn^2 + C^2 dn^2 = L^2.
+        return Jacobi(arb_of((b2 - a2) / c2), arb_of((self.start.l2 - b2) / c2))
+
+    @cached_property
+    def sense(self) -> int:
+        """1 if J_a < J_c, else -1."""
+        g_other, _, g_axis = (1 / self.start.inertia[i] for i in self.axes)
+        if g_other > g_axis:
+            return 1
+        return -1
+
+    @cached_property
+    def growth_along_middle(self) -> Any:
+        """The factor g in M_2' = g M_a M_c."""
+        return growth_along_middle(self.start.inertia, self.other, self.axis)
+
+    @cached_property
+    def sign_c(self) -> int:
+        """The sign of M_c, which stays."""
+        if self.start.momentum[self.axis] > 0:
+            return 1
+        return -1
+
+    @cached_property
+    def sign_b(self) -> int:
+        """The sign of M_2 for sn u > 0: with u' > 0 that of g M_c."""
+        if self.growth_along_middle > 0:
+            return self.sign_c
+        return -self.sign_c
+
+    @cached_property
+    def rate(self) -> arb:
+        """The rate u' [1/s], which is constant."""
         a, b, c = self.sizes
-        # M_2' = g M_a M_c.
-        growth = _growth(self, self.other, self.axis)
-        if self.momentum0[self.axis] > 0:
-            self.sign_c = 1
-        else:
-            self.sign_c = -1
-        if growth > 0:
-            self.sign_b = self.sign_c
-        else:
-            self.sign_b = -self.sign_c
         # B sn' = B u' cn dn = |g| A C cn dn.
-        self.rate = a * c / b * arb_of(abs(growth))
-        sn = self.sign_b * arb_of(self.momentum0[self.mid]) / b
-        cn = arb_of(self.momentum0[self.other]) / a
-        self.shift = self.jacobi.argument(sn, cn)
+        return a * c / b * arb_of(abs(self.growth_along_middle))
 
-    def _begin_nodes(self) -> None:
-        """Sets the numbers of exp(i phi): a of Theta(u + i a), nu, and the phase at t = 0."""
+    @cached_property
+    def shift(self) -> arb:
+        """The argument u at the start, which gives the momentum there."""
+        a, b, _ = self.sizes
+        sn = self.sign_b * arb_of(self.start.momentum[self.mid]) / b
+        cn = arb_of(self.start.momentum[self.other]) / a
+        return self.jacobi.argument(sn, cn)
+
+    @cached_property
+    def imaginary(self) -> arb:
+        """a of Theta(u + i a), with sn(i a) = i C/A."""
         _, _, c = self.sizes
-        # sn(i a) = i C/A: cs = A/C, ds = B/C, ns = L/C are those of a with parameter 1 - m, and a =
-        # R_F(cs^2, ds^2, ns^2) (DLMF 19.25).
-        self.imaginary = c * carlson_f(arb_of(self.a2), arb_of(self.b2), arb_of(self.l2))
-        # nu = L/J_a -+ z u', with Z(i a) = i z.
+        a2, b2, _ = self.squares
+        # cs = A/C, ds = B/C, ns = L/C are those of a with parameter 1 - m, and a = R_F(cs^2, ds^2,
+        # ns^2) (DLMF 19.25).
+        return c * carlson_f(arb_of(a2), arb_of(b2), arb_of(self.start.l2))
+
+    @cached_property
+    def drift(self) -> arb:
+        """nu = L/J_a -+ z u' [rad/s] of the module's formula, with Z(i a) = i z."""
         zeta = self.jacobi.zeta_on_imaginary_axis(self.imaginary)
-        self.drift = self.length / arb_of(self.inertia[self.other]) - self.sense * zeta * self.rate
-        self.phase0 = self._phase(self.shift)
+        uniform = self.start.length / arb_of(self.start.inertia[self.other])
+        return uniform - self.sense * zeta * self.rate
+
+    @cached_property
+    def phase0(self) -> acb:
+        """Theta(u + i a)/|Theta(u + i a)| at t = 0."""
+        return self._phase(self.shift)
 
     def momentum(self, t: arb) -> list[arb]:
         """M (3) at t: A cn u, +-B sn u and +-C dn u along the axes a, 2 and c."""
@@ -393,9 +522,10 @@ class Elliptic(Nodal):
 
     def fastest(self) -> arb:
         """The largest |omega|: |omega|^2 is linear in sn^2, and so largest where sn^2 is 0 or 1."""
-        other, mid, axis = (arb_of(self.inertia[i]) for i in (self.other, self.mid, self.axis))
-        square_at_sn_0 = arb_of(self.a2) / other**2 + arb_of(self.c2) / axis**2
-        square_at_sn_1 = arb_of(self.b2) / mid**2 + arb_of(self.l2 - self.b2) / axis**2
+        other, mid, axis = (arb_of(self.start.inertia[i]) for i in self.axes)
+        a2, b2, c2 = self.squares
+        square_at_sn_0 = arb_of(a2) / other**2 + arb_of(c2) / axis**2
+        square_at_sn_1 = arb_of(b2) / mid**2 + arb_of(self.start.l2 - b2) / axis**2
         return arb.max(square_at_sn_0, square_at_sn_1).sqrt()
 
     def lead(self, t: arb) -> arb:
@@ -407,12 +537,10 @@ class Elliptic(Nodal):
         u = self.rate * t + self.shift
         sn, cn, dn = self.jacobi.sn_cn_dn(u)
         a, b, c = self.sizes
-        a2, b2, c2 = (arb_of(square) for square in (self.a2, self.b2, self.c2))
+        a2, b2, c2 = (arb_of(square) for square in self.squares)
         m = self.jacobi.m
         m1 = self.jacobi.m1
-        g_other, g_mid, g_axis = (
-            1 / arb_of(self.inertia[i]) for i in (self.other, self.mid, self.axis)
-        )
+        g_other, g_mid, g_axis = (1 / arb_of(self.start.inertia[i]) for i in self.axes)
 
         # Derivatives by the energy of the squared sizes, of m = (b2 - a2)/c2 and of ln rate, rate ~
         # a c/b.
@@ -434,7 +562,7 @@ class Elliptic(Nodal):
 
         # M' = M x omega.
         momentum = self.momentum(t)
-        omega = [x / arb_of(j) for x, j in zip(momentum, self.inertia, strict=True)]
+        omega = [x / arb_of(j) for x, j in zip(momentum, self.start.inertia, strict=True)]
         rate = cross(momentum, omega)
         ahead: arb = dot_exact([p[i] for i in AXES], rate) / dot_exact(rate, rate)
         return along + ahead
@@ -481,10 +609,15 @@ def dot_exact(a: Sequence[Any], b: Sequence[Any]) -> Any:
     return sum(others, first)
 
 
-def _growth(body: FreeBody, a: int, c: int) -> Any:
+def rising(moments: Sequence[Any]) -> list[int]:
+    """The axes in rising order of their principal moments."""
+    return sorted(AXES, key=lambda i: moments[i])
+
+
+def growth_along_middle(moments: Sequence[Any], a: int, c: int) -> Any:
     """g in M_2' = g M_a M_c: (1/J_a - 1/J_c), with the other sign if (a, 2, c) is left-handed."""
     right_handed = (c - a) % 3 == 2
-    difference = 1 / body.inertia[a] - 1 / body.inertia[c]
+    difference = 1 / moments[a] - 1 / moments[c]
     if right_handed:
         return difference
     return -difference

@@ -35,6 +35,7 @@ from bisect import bisect_right
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
+from functools import cached_property
 from math import expm1, frexp, inf, isfinite
 from typing import Protocol
 
@@ -746,6 +747,7 @@ class Growth:
         return chosen
 
 
+@dataclass(frozen=True)
 class PeriodicGrowth:
     """S along a motion of one period P on whose tori errors drift apart in proportion to time: D(P)
     = 1 + N with N N = 0.
@@ -759,16 +761,23 @@ class PeriodicGrowth:
     `first` gives the growth within one period.
     """
 
-    def __init__(self, first: Growth, period: arb) -> None:
-        self.first = first
-        self.period = period
-        self.over_a_period: Effect | None = None
-        self.over_a_period_in_balls: BallEffect | None = None
+    first: Growth
+    period: arb
+
+    @cached_property
+    def over_a_period(self) -> Effect:
+        """What errors made within a period have become at its end, by products of doubles."""
+        return self.first.effect_at(self.period, None)
+
+    @cached_property
+    def over_a_period_in_balls(self) -> BallEffect:
+        """What errors made within a period have become at its end, by products of balls."""
+        return self.first.effect_in_balls(self.period, None)
 
     def at(self, t: Fraction) -> float:
         """The bound S(t) >= 1 on the growth of an error."""
         time = arb_of(t)
-        # k and tau of t = tau + k P.
+        # t = tau + k P, with k = `turns` and tau = `since`.
         turns = int(ball_of(time / self.period).mid)
         if turns == 0:
             return self.first.at(t)
@@ -793,22 +802,20 @@ class PeriodicGrowth:
         `since` is tau, the time since the last period ended, at which `readings` are made; `turns`
         is the number k of whole periods.
         """
-        growth = self.first
-        norm = growth.norm
-        if self.over_a_period is None:
-            self.over_a_period = growth.effect_at(self.period, None)
+        norm = self.first.norm
         period = self.over_a_period
-        now = growth.effect_at(since, readings)
+        now = self.first.effect_at(since, readings)
         # S at the end of the first period.
         by_cell = norm(period.answers) + norm(period.carried) * period.slack
         largest = bounded(float(by_cell.max()) + period.rounding)
-        one = np.eye(len(period.whole))
         # N = D(P) - 1.
+        one = np.eye(len(period.whole))
         drift = period.whole - one
         growth_bound = 0.0
         rounding_bound = 0.0
+        # A norm is convex in n, so that it is largest at an end of 0 <= n <= k - 1.
         for n in {0, turns - 1}:
-            # D(tau) (1 + n N).
+            # D(tau) (1 + n N) A, of each cell.
             later = now.whole @ (one + n * drift)
             sizes = norm.read(later @ period.answers)
             sizes = sizes + norm.read(later @ period.carried) * period.slack
@@ -828,8 +835,6 @@ class PeriodicGrowth:
         those of `of_earlier`.
         """
         growth = self.first
-        if self.over_a_period_in_balls is None:
-            self.over_a_period_in_balls = growth.effect_in_balls(self.period, None)
         period = self.over_a_period_in_balls
         # D(tau), and N = D(P) - 1.
         now = growth.effect_in_balls(since, readings).whole

@@ -1,37 +1,68 @@
-"""Head-on contact of two spheres with a linear spring and dashpot, in closed form: m d'' + c d' + k
-d = 0, d(0) = 0, d'(0) = v.
+"""Head-on contact of two spheres with a linear spring and dashpot, in closed form.
 
-With m the effective mass, b = c/(2m), w0^2 = k/m, w^2 = w0^2 - b^2: d = v exp(-b t) sin(w t)/w,
-sinh(W t)/W or t in place of sin(w t)/w where damping is over-critical (W^2 = -w^2) or critical.
-Schwager and Poeschel, Granular Matter 9 (2007) 465.
+Theorem: the overlap d obeys m d'' + c d' + k d = 0, d(0) = 0, d'(0) = v, with m the effective mass,
+until the force or the overlap ends; then the spheres fly freely. Schwager and Poeschel, Granular
+Matter 9 (2007) 465.
+
+Hypotheses, and where each is checked:
+
+* nothing slips, ever: `SpherePair.is_head_on`, of exact parameters;
+* the sign of w^2 below is decided exactly (`regime`);
+* whether t is before the end of the force need not be decided: both are held (`relative`).
+
+Formula: with b = c/(2m), w0^2 = k/m, w^2 = w0^2 - b^2: d = v exp(-b t) sin(w t)/w, with sinh(W t)/W
+or t in place of sin(w t)/w where damping is over-critical (W^2 = -w^2) or critical.
 """
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
 
 from flint import arb
 
 from refdem.truth.balls import arb_of
 from refdem.truth.dual import atan2
 from refdem.truth.exact import sign_of
+from refdem.truth.reals import Number
 from refdem.truth.sphere_pair import SpherePair
 
 
+@dataclass(frozen=True)
 class HeadOnContact:
-    """Overlap, force and free flight of a head-on pair at the current precision.
+    """Overlap, force and free flight of a head-on pair at the current precision."""
 
-    `decay` is b, `rate` w (under-damped) or W, `regime` the sign of w^2: 1 under-damped, 0
-    critical, -1 over-critical. `angle` is atan2(w, b): the overlap is largest at angle/w.
-    """
+    pair: SpherePair
 
-    def __init__(self, pair: SpherePair) -> None:
-        self.pair = pair
-        self.decay = arb_of(pair.half_decay)
-        squared = pair.stiffness / pair.effective_mass - pair.half_decay**2
-        self.regime = sign_of(squared)
-        self.rate = arb_of(abs(squared)).sqrt()
-        if self.regime > 0:
-            self.angle = atan2(self.rate, self.decay)
-        else:
-            self.angle = arb(0)
-        self.speed = arb_of(pair.closing_speed)
+    @cached_property
+    def decay(self) -> arb:
+        """Half the rate of decay, b = c/(2m) [1/s]."""
+        return arb_of(self.pair.half_decay)
+
+    @cached_property
+    def square(self) -> Number:
+        """w^2 = k/m - b^2 [1/s^2], exact if the pair is."""
+        return self.pair.stiffness / self.pair.effective_mass - self.pair.half_decay**2
+
+    @cached_property
+    def regime(self) -> int:
+        """The sign of w^2: 1 under-damped, 0 critical, -1 over-critical."""
+        return sign_of(self.square)
+
+    @cached_property
+    def rate(self) -> arb:
+        """w where under-damped, W where over-critical [1/s]."""
+        size: Any = abs(self.square)
+        return arb_of(size).sqrt()
+
+    @cached_property
+    def angle(self) -> arb:
+        """atan2(w, b), where under-damped: the overlap is largest at angle/w."""
+        return atan2(self.rate, self.decay)
+
+    @cached_property
+    def speed(self) -> arb:
+        """The speed v [m/s] at touch."""
+        return arb_of(self.pair.closing_speed)
 
     def overlap(self, t: arb) -> tuple[arb, arb]:
         """The overlap d [m] and its rate d' [m/s] at t [s], while the law acts.

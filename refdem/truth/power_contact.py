@@ -1,19 +1,26 @@
-"""A contact whose force is a power of the overlap, m d'' = -k d^n, from touch at speed v to the
-turn and back, in closed form.
+"""A contact whose force is a power of the overlap, m d'' = -k d^n, in closed form: from touch at
+speed v to the turn and back.
 
-With a = 1/(n+1), d_m = ((n+1) m v^2/(2k))^a, y = d/d_m and s = d'/v the energy is y^(n+1) + s^2 =
-1, so that time in units of d_m/v is
+Theorem: with a = 1/(n+1), d_m = ((n+1) m v^2/(2k))^a, y = d/d_m and s = d'/v the energy is y^(n+1)
++ s^2 = 1, and time in units of d_m/v is given by the formula below. Hertz 1882: n = 3/2.
+
+Hypotheses, and where each is checked:
+
+* the contact lasts at t: `PowerContact.state`, by balls; UndecidedError where they cannot tell;
+* a root of the formula is enclosed: its slopes, (1 - y^(n+1))^(-1/2) >= 1 and 2a (1 - s^2)^(a-1) >=
+  2a, make the residue of a root divided by the least slope a bound of its error (mean value
+  theorem, `root`). It is solved for y or s where its argument is well below 1 (`NEAR_TOUCH`).
+
+Formula:
 
     y 2F1(1/2, a; 1+a; y^(n+1)) since touch,   2a s 2F1(1-a, 1/2; 3/2; s^2) before the turn,   a
     B(a, 1/2) in all up to there.
-
-Each is solved for y or s where its argument is well below 1. The slopes, (1 - y^(n+1))^(-1/2) >= 1
-and 2a (1 - s^2)^(a-1) >= 2a, make the residue of a root divided by the least slope a bound of its
-error (mean value theorem). Hertz 1882: n = 3/2.
 """
 
 from collections.abc import Callable
+from dataclasses import dataclass
 from fractions import Fraction
+from functools import cached_property
 
 from flint import arb
 
@@ -26,26 +33,46 @@ beyond it s^2 below 0.55.
 """
 
 
+@dataclass(frozen=True)
 class PowerContact:
     """The contact at the current precision.
 
-    `speed` v is that at touch. `depth` [m] is d_m, `unit` [s] d_m/v, `half` [s] the time from touch
-    to the turn; `part` is a = 1/(n + 1), `power` n + 1.
+    `mass` m and `stiffness` k of the law with the exponent n; `speed` v [m/s] is that at touch.
     """
 
-    def __init__(self, mass: Number, stiffness: Number, exponent: Fraction, speed: arb) -> None:
-        self.part = 1 / (exponent + 1)
-        self.a = arb_of(self.part)
-        self.power = arb_of(exponent + 1)
-        self.speed = speed
-        # d_m = ((n+1) m v^2/(2k))^a.
-        self.ease = arb_of((exponent + 1) * mass / (2 * stiffness))
-        self.depth = (self.ease * speed * speed) ** self.a
-        self.unit = self.depth / speed
+    mass: Number
+    stiffness: Number
+    exponent: Fraction
+    speed: arb
+
+    @cached_property
+    def a(self) -> arb:
+        """The inverse power a = 1/(n + 1)."""
+        return arb_of(1 / (self.exponent + 1))
+
+    @cached_property
+    def power(self) -> arb:
+        """The power n + 1 of the energy."""
+        return arb_of(self.exponent + 1)
+
+    @cached_property
+    def depth(self) -> arb:
+        """The largest overlap d_m = ((n+1) m v^2/(2k))^a [m]."""
+        ease = arb_of((self.exponent + 1) * self.mass / (2 * self.stiffness))
+        return (ease * self.speed * self.speed) ** self.a
+
+    @cached_property
+    def unit(self) -> arb:
+        """The unit d_m/v [s] of time."""
+        return self.depth / self.speed
+
+    @cached_property
+    def half(self) -> arb:
+        """The time [s] from touch to the turn."""
         # a B(a, 1/2) = sqrt(pi) Gamma(1 + a)/Gamma(a + 1/2).
         gamma = (1 + self.a).gamma()
         half_gamma = (self.a + arb_of(Fraction(1, 2))).gamma()
-        self.half = self.unit * arb.pi().sqrt() * gamma / half_gamma
+        return self.unit * arb.pi().sqrt() * gamma / half_gamma
 
     def since_touch(self, y: arb) -> arb:
         """The time since touch [d_m/v] on the way in: y 2F1(1/2, a; 1 + a; y^(n+1))."""

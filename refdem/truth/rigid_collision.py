@@ -1,9 +1,18 @@
-"""Certified motion of rigid round bodies through one impact: straight lines, the impulses of
-rigid_impact.py, straight lines. impact_sequence.py follows it, and proves S.
+"""Certified motion of rigid round bodies through one impact.
 
-The time of the impact, the places and the normal there lie in a field Q(sqrt(q)) (surds.py), so
-that whether friction is cut is decided exactly. With friction that is not cut the velocities
-afterwards lie in it too.
+Theorem: the bodies fly along straight lines, get the impulses of rigid_impact.py where they touch,
+and fly on along straight lines. impact_sequence.py follows it, and proves S.
+
+Hypotheses, and where each is checked:
+
+* the bodies meet, and do not only graze: the meeting of the family (hard_spheres.py, hard_wall.py),
+  which ends as `grazing`;
+* whether friction is cut is decided exactly (`Impact.excess`): the time of the impact, the places
+  and the normal there lie in a field Q(sqrt(q)) (surds.py). With friction that is not cut the
+  velocities afterwards lie in it too.
+
+Formula: the time of the impact is a root of a quadratic (Meeting), the impulses are those of
+rigid_impact.py.
 """
 
 from collections.abc import Mapping, Sequence

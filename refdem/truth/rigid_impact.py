@@ -1,15 +1,23 @@
 """One impact of two rigid bodies that are round where they touch: impulses in closed form.
 
-Let n be the unit normal from the first body to the second, and g the velocity of the first body's
-point of contact against that of the second, v1 - v2 + (R1 omega1 + R2 omega2) x n. Its normal part
-g.n > 0 is the closing speed, the rest s = g - (g.n) n the slip. An impulse P on the first body and
--P on the second change g by
+Theorem: let n be the unit normal from the first body to the second, and g the velocity of the first
+body's point of contact against that of the second, with the closing speed g.n > 0 and the slip s =
+g - (g.n) n. The impulse P = -p n - k s on the first body and -P on the second multiplies the
+closing speed by -e and the slip by -b (Walton 1993; Brach 1989); Coulomb's law cuts k |s| at mu p.
+A wall is a second body with 1/m2 = 0 and R2 = 0.
 
-    P (1/m1 + 1/m2) along n,    P (1/m1 + 1/m2 + R1^2/J1 + R2^2/J2) across n,
+Hypotheses, and where each is checked:
 
-so that P = -p n - k s with p = (1 + e) m_n g.n and k = (1 + b) m_t, m_n and m_t the inverses of
-those two sums, multiplies the closing speed by -e and the slip by -b (Walton 1993; Brach 1989).
-Coulomb's law cuts k |s| at mu p. A wall is a second body with 1/m2 = 0 and R2 = 0.
+* the bodies close, g.n > 0: whoever follows the motion (impact_sequence.py, impacts_in_balls.py);
+* whether friction is cut: `Impact.excess`, exactly, of numbers of one field (surds.py).
+
+Formula:
+
+    g = v1 - v2 + (R1 omega1 + R2 omega2) x n,    p = (1 + e) m_n g.n,    k = (1 + b) m_t,
+
+where m_n and m_t are the inverses of those sums by which P changes g,
+
+    P (1/m1 + 1/m2) along n,    P (1/m1 + 1/m2 + R1^2/J1 + R2^2/J2) across n.
 
 The functions are written for any numbers that add and multiply: exact ones, balls, and balls with
 derivatives.

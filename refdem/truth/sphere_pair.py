@@ -1,5 +1,8 @@
-"""Two spheres about to touch: exact parameters and what follows from them for the relative motion
-in the plane.
+"""Two spheres about to touch: exact parameters and what follows from them for the relative motion.
+
+Everything is exact but the components of the velocity at touch, v (cos angle, sin angle), which are
+balls (`SpherePair.start`). The decisions that need no ball are made here: `is_head_on`,
+`leaves_plane`.
 """
 
 from abc import ABC, abstractmethod

@@ -155,9 +155,9 @@ def test_every_door_of_a_truth_refuses_a_rounded_number(rounded):
     pair = sphere_pair(discovery.case("two-spheres").at().p)
     scale = {"r1.x": 1.0}
     with pytest.raises(TypeError, match="expected exact numbers"):
-        TwoSpheres(scale, type(pair)(**{**vars(pair), "damping": rounded}))
+        TwoSpheres(Refiner.of(scale), type(pair)(**{**vars(pair), "damping": rounded}))
     with pytest.raises(TypeError, match="expected exact numbers"):
-        TwoSpheres(scale, type(pair)(**{**vars(pair), "masses": (one, rounded)}))
+        TwoSpheres(Refiner.of(scale), type(pair)(**{**vars(pair), "masses": (one, rounded)}))
     with pytest.raises(TypeError, match="expected exact numbers"):
         Rectangle((one, one), (rounded, one), (one, one), {"position.x": 1.0})
     with pytest.raises(TypeError, match="expected an int, a Fraction or a Real"):
@@ -172,7 +172,7 @@ def test_every_door_of_a_truth_refuses_a_rounded_number(rounded):
 
 def test_a_number_that_follows_from_parameters_passes_every_door():
     pair = sphere_pair(discovery.case("two-spheres").at().p)
-    TwoSpheres({"r1.x": 1.0}, type(pair)(**{**vars(pair), "damping": pi()}))
+    TwoSpheres(Refiner.of({"r1.x": 1.0}), type(pair)(**{**vars(pair), "damping": pi()}))
     outputs, _ = traced(lambda y: [y[0] * pi() + pi()], 1)
     assert len(outputs) == 1
 

@@ -61,6 +61,7 @@ class SpinningPair(Member):
     def truth(self, v: Values, scale: Mapping[str, float]) -> Truth:
         """The truth of the collision of two spheres."""
         from refdem.truth.closed_forms.two_spheres import TwoSpheres
+        from refdem.truth.refiner import Refiner
         from refdem.truth.sphere_pair import SpherePair
 
         nothing = Fraction(0)
@@ -74,4 +75,4 @@ class SpinningPair(Member):
             lever=LEVERS[v.branch],
             ends_with_overlap=v.cutoff == "zero_overlap",
         )
-        return TwoSpheres(scale, pair)
+        return TwoSpheres(Refiner.of(scale), pair)

@@ -92,6 +92,7 @@ class Squeeze(Member):
     def truth(self, v: Values, scale: Mapping[str, float]) -> Truth:
         """The truth of a pair, to which symmetry reduces the three spheres."""
         from refdem.truth.closed_forms.impact_benchmarks.three_spheres import Squeezed, ThreeSpheres
+        from refdem.truth.refiner import Refiner
 
         nothing = Fraction(0)
         names = (
@@ -112,4 +113,4 @@ class Squeeze(Member):
             spins=(nothing, nothing, v.partner_spin, nothing, nothing, v.spin),
             ends_with_overlap=v.cutoff == "zero_overlap",
         )
-        return ThreeSpheres(scale, pair)
+        return ThreeSpheres(Refiner.of(scale), pair)

@@ -63,6 +63,7 @@ class Wall(Member):
     def truth(self, v: Values, scale: Mapping[str, float]) -> Truth:
         """The truth from one switch of the contact to the next."""
         from refdem.truth.closed_forms.impact_benchmarks.wall import WallImpact, WallPair
+        from refdem.truth.refiner import Refiner
 
         pair = WallPair(
             mass=v.mass,
@@ -77,7 +78,7 @@ class Wall(Member):
             lever=LEVERS[v.branch],
             ends_with_overlap=v.cutoff == "zero_overlap",
         )
-        return WallImpact(scale, pair)
+        return WallImpact(Refiner.of(scale), pair)
 
 
 def struck(v: Values) -> Body:

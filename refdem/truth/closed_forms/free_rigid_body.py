@@ -19,7 +19,7 @@ from refdem.truth import rotation
 from refdem.truth.balls import arb_of
 from refdem.truth.body_growth import diagonal, steady_growth, tumbling_growth
 from refdem.truth.closed_form import DISPLACEMENT, ClosedForm, displaced_tuple, per_precision
-from refdem.truth.free_body import Exact3, FreeBody, Kind, Steady, kind
+from refdem.truth.free_body import Exact3, FreeBody, Kind, Principal, Steady, kind
 from refdem.truth.growth import CLOSED_BITS, Grows
 from refdem.truth.refiner import Refiner, Sensitivity
 from refdem.truth.smooth_flow import Displaceable, pair
@@ -144,7 +144,7 @@ class FreeRigidBody(ClosedForm):
     @per_precision
     def body(self) -> FreeBody:
         """The motion in body axes at the current precision."""
-        return self.kind(self.inertia, self.omega)
+        return self.kind(Principal.of(self.inertia, self.omega))
 
     @per_precision
     def start(self) -> list[arb]:

@@ -96,10 +96,9 @@ def tumbling(system: Slope, start: Sequence[Any], scale: Mapping[str, Size]) -> 
         start,
         lambda y: Entry(""),
         partial(seen, system),
-        sizes,
+        Refiner.of(sizes, digits=DIGITS),
         state=(*ATTITUDE, *["spin"] * 3, *PLACE, *["speed"] * 3),
         moved=range(13),
-        digits=DIGITS,
         witness=WITNESS,
         finished=with_upright_attitude,
     )

@@ -1,13 +1,21 @@
 """A polygon carried through phase space (x, v): its corners one by one, and its area.
 
-Liouville: an element dA of phase area changes as d/dt dA = (div F) dA. So the area is kept by the
-oscillator and the pendulum, and falls as exp(-2 delta t) in a fluid.
+Theorem (Liouville): an element dA of phase area changes as d/dt dA = (div F) dA. So the area is
+kept by the oscillator and the pendulum, and falls as exp(-2 delta t) in a fluid. Under dry friction
+it falls where a part of the polygon crosses v = 0, by the formula below.
 
-Dry friction (force f against the velocity, w^2 = k/m): while v < 0 the flow turns (X, Y) = (x -
-f/k, v/w) clockwise about 0. In polar coordinates (R, a) there, dA = w R dR da. A point crosses v =
-0 when its angle reaches -pi, at x = f/k - R, and again each half period pi/w later. What crosses
-there between x and x + dx during dt has the area (k|x| + f)/m dx dt before and (k|x| - f)/m dx dt
-after. So after n crossings an element that had dA = w R dR da at the start has
+Hypotheses, and where each is checked:
+
+* with dry friction the polygon starts on one side of v = 0: `_sides_about_the_centre`, exactly;
+* how often each part has crossed v = 0, and what has stopped: balls, for whole parts of a side
+  (`_side_integral`). UndecidedError where they cannot tell, which ends as `corner`;
+* the corners move as their own closed forms say (`FORMS`), which check what they ask for.
+
+Formula (dry friction, force f against the velocity, w^2 = k/m): while v < 0 the flow turns (X, Y) =
+(x - f/k, v/w) clockwise about 0. In polar coordinates (R, a) there, dA = w R dR da. A point crosses
+v = 0 when its angle reaches -pi, at x = f/k - R, and again each half period pi/w later. What
+crosses there between x and x + dx during dt has the area (k|x| + f)/m dx dt before and (k|x| - f)/m
+dx dt after. So after n crossings an element that had dA = w R dR da at the start has
 
     w max(0, R - 2 n f/k) dR da,    n = floor((w t - a)/pi),
 
@@ -19,8 +27,8 @@ start,
 A `Corner` is (x, v) in m (or rad) and m/s; `loss` is 2 f/k, what R loses at each crossing.
 """
 
-from collections.abc import Mapping, Sequence
-from copy import copy
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
 from fractions import Fraction
 from itertools import pairwise
 from typing import Any
@@ -39,6 +47,7 @@ from refdem.truth.closed_forms import (
 )
 from refdem.truth.dual import atan2
 from refdem.truth.exact import number
+from refdem.truth.reals import Number
 
 Corner = tuple[Fraction, Fraction]
 FORMS: dict[str, tuple[Any, str, str]] = {
@@ -52,52 +61,31 @@ LARGEST = 1e100
 """The size of quantities that are not told here: so large that their error never counts."""
 
 
+@dataclass(frozen=True, kw_only=True)
 class PhaseFlow(Guarded, Truth):
-    """x_k, v_k of the corners, and `area` [their product's unit], at t >= 0; scalar `area_0`."""
+    """x_k, v_k of the corners, and `area` [their product's unit], at t >= 0; scalar `area_0`.
+
+    `corners` are those at the start, and `motions` their truths. `square` is w^2 = k/m [1/s^2],
+    `shift` f/k [m] the shift of the centre of turning, `delta` [1/s] that of a fluid.
+    """
 
     witness = (
         "area by quadrature of the local factor over the polygon; corners as the cases of the flows"
     )
 
-    def __init__(
-        self,
-        p: Mapping[str, Any],
-        corners: Sequence[Corner],
-        scale: Mapping[str, float],
-        *,
-        digits: int = 40,
-    ) -> None:
-        form, self.place, self.rate = FORMS[p["flow"]]
-        self.flow = p["flow"]
-        self.corners = list(corners)
-        self.digits = digits
-        self.delta = number(p, "delta")
-        # w^2 = k/m, and the shift f/k of the centre of turning.
-        self.square = number(p, "stiffness") / number(p, "mass")
-        self.shift = number(p, "friction_force") / number(p, "stiffness")
-        form_name = form.__module__.rpartition(".")[2].replace("_", " ")
-        self.method = f"corners: {form_name}; area: Liouville's theorem in closed form"
-        names = ("mass", "stiffness", "delta", "friction_force", "length")
-        common = {name: p[name] for name in names}
-        # The oscillators of this case lie on a table; only the pendulum has a weight.
-        if self.flow == "pendulum":
-            common["gravity"] = p["gravity"]
-        else:
-            common["gravity"] = Fraction(0)
-        self.motions: list[Truth] = []
-        for k, (x, v) in enumerate(corners):
-            sizes = {self.place: scale[f"x_{k}"], self.rate: scale[f"v_{k}"]}
-            if self.flow == "pendulum":
-                sizes |= dict.fromkeys(("x", "y", "rod_force"), LARGEST)
-            start = {f"{self.place}0": x, f"{self.rate}0": v}
-            self.motions.append(form({**common, **start}, sizes))
+    flow: str
+    corners: tuple[Corner, ...]
+    motions: tuple[Truth, ...]
+    square: Number
+    shift: Number
+    delta: Number
+    method: str
+    digits: int = 40
 
     def refined(self, digits: int) -> "PhaseFlow":
         """The same truth with radii of at most 10^-digits."""
-        other = copy(self)
-        other.digits = digits
-        other.motions = [motion.refined(digits) for motion in self.motions]
-        return other
+        motions = tuple(motion.refined(digits) for motion in self.motions)
+        return replace(self, digits=digits, motions=motions)
 
     def at(self, t: Fraction) -> dict[str, Ball]:
         """x_k and v_k of every corner, and `area`, at time t.
@@ -105,10 +93,11 @@ class PhaseFlow(Guarded, Truth):
         Raises NotCertifiedError where no precision decides how often a part of the polygon has
         crossed v = 0.
         """
+        _, place, rate = FORMS[self.flow]
         corners: dict[str, Ball] = {}
         for k, motion in enumerate(self.motions):
             balls = motion.at(t)
-            corners |= {f"x_{k}": balls[self.place], f"v_{k}": balls[self.rate]}
+            corners |= {f"x_{k}": balls[place], f"v_{k}": balls[rate]}
         target = abs(self.first_area()) / Fraction(10) ** self.digits
         area = refined(lambda: {"area": self.area(arb_of(t))}, target, most=4096)
         if area is None:
@@ -185,7 +174,7 @@ class PhaseFlow(Guarded, Truth):
 
 
 def _side_integral(
-    side: tuple[Corner, Corner], ray: tuple[arb, arb], turns: int, loss: Fraction, square: Fraction
+    side: tuple[Corner, Corner], ray: tuple[arb, arb], turns: int, loss: Number, square: Number
 ) -> arb:
     """Half the integral of max(0, R - n loss)^2 da along a side (X, v) of the polygon.
 
@@ -292,4 +281,35 @@ def truth(p: Parameters, corners: Sequence[Corner], scale: Mapping[str, float]) 
     `corners` are the exact (x, v) of the polygon at the start; `scale` has the sizes of x_k and v_k
     against which their errors count.
     """
-    return PhaseFlow(p, corners, scale)
+    flow = str(p["flow"])
+    form, _, _ = FORMS[flow]
+    form_name = form.__module__.rpartition(".")[2].replace("_", " ")
+    return PhaseFlow(
+        flow=flow,
+        corners=tuple(corners),
+        motions=tuple(motions_of(p, corners, scale)),
+        square=number(p, "stiffness") / number(p, "mass"),
+        shift=number(p, "friction_force") / number(p, "stiffness"),
+        delta=number(p, "delta"),
+        method=f"corners: {form_name}; area: Liouville's theorem in closed form",
+    )
+
+
+def motions_of(
+    p: Parameters, corners: Sequence[Corner], scale: Mapping[str, float]
+) -> Iterator[Truth]:
+    """The truth of each corner, by the closed form of the flow."""
+    flow = str(p["flow"])
+    form, place, rate = FORMS[flow]
+    names = ("mass", "stiffness", "delta", "friction_force", "length")
+    common = {name: p[name] for name in names}
+    # The oscillators of this case lie on a table; only the pendulum has a weight.
+    if flow == "pendulum":
+        common["gravity"] = p["gravity"]
+    else:
+        common["gravity"] = Fraction(0)
+    for k, (x, v) in enumerate(corners):
+        sizes = {place: scale[f"x_{k}"], rate: scale[f"v_{k}"]}
+        if flow == "pendulum":
+            sizes |= dict.fromkeys(("x", "y", "rod_force"), LARGEST)
+        yield form({**common, f"{place}0": x, f"{rate}0": v}, sizes)

@@ -1,12 +1,18 @@
-"""Certified rigid cluster: points r_i = c + R(t) (r_i(0) - c), where the centre c rests and R is
-the rotation of a free rigid body.
+"""A rigid cluster of points that turns freely about its centre of mass, by closed form.
 
-The inertia tensor J = sum m (r^2 1 - r r^T) of exact points is rational. Its principal moments are
-the roots lambda of det(J - lambda) = 0, isolated with their multiplicities; the axis of a moment
-that occurs once is a cross product of two rows of J - lambda. In these axes the motion is that of
-free_body.py.
+Theorem: r_i = c + R(t) (r_i(0) - c), where the centre c rests and R is the rotation of the free
+rigid body (free_body.py) whose inertia tensor is J = sum m (r^2 1 - r r^T).
 
-Two equal moments J1 = J1 != J3 leave the axes across e, the unit vector of J3, open. There
+Hypotheses, and where each is checked:
+
+* J is that of exact points, so it is rational; its principal moments are the roots lambda of
+  det(J - lambda) = 0, isolated with their multiplicities (`RigidCluster.moments`);
+* which formula holds is decided of the exact tensor (`is_steady`, `_is_on_separatrix`), about which
+  axis it turns by balls (`form`, which ends as `separatrix`).
+
+Formula: the axis of a moment that occurs once is a cross product of two rows of J - lambda; in
+these axes the motion is that of free_body.py. Two equal moments J1 = J1 != J3 leave the axes across
+e, the unit vector of J3, open. There
 
     R = exp(t L/J1) exp(t (omega . e)(1 - J3/J1) e)
 
@@ -41,6 +47,7 @@ from refdem.truth.exact import vector
 from refdem.truth.free_body import (
     Elliptic,
     FreeBody,
+    Principal,
     Separatrix,
     Steady,
     dot_exact,
@@ -60,40 +67,63 @@ AXES = (0, 1, 2)
 NONE: Vector = (Fraction(0),) * 3
 
 
+@dataclass(frozen=True)
 class AboutAxis(FreeBody):
-    """A body with two equal moments: `across` the unit vector e (rational), and `along` it.
+    """A body with two equal moments: J1 = `across` the unit vector `e`, and J3 = `along` it.
 
     The vectors e and omega [rad/s] are in any axes fixed to the body at t = 0. Three equal moments
-    are a special case. `rate` is (omega . e)(1 - J3/J1) [rad/s], `length` is |L| and `along` L/|L|.
+    are a special case.
     """
 
     method = "two equal moments: one turn about L after one about the body's own axis"
 
-    def __init__(self, across: arb, along: arb, e: Sequence[arb], omega: Sequence[arb]) -> None:
-        self.axis = list(e)
-        self.start = tuple(omega)
-        omega_e = rotation.dot(self.start, self.axis)
-        # L = J1 omega + (J3 - J1)(omega . e) e
-        momentum = [
-            across * w + (along - across) * omega_e * x
-            for w, x in zip(self.start, self.axis, strict=True)
+    across: arb
+    along: arb
+    e: Sequence[arb]
+    start: Sequence[arb]
+
+    @cached_property
+    def spin(self) -> arb:
+        """The component omega . e [rad/s], which is constant."""
+        return rotation.dot(self.start, self.e)
+
+    @cached_property
+    def momentum(self) -> list[arb]:
+        """L = J1 omega + (J3 - J1)(omega . e) e [kg m^2/s]."""
+        return [
+            self.across * w + (self.along - self.across) * self.spin * x
+            for w, x in zip(self.start, self.e, strict=True)
         ]
-        self.length = rotation.dot(momentum, momentum).sqrt()
-        self.along = [m / self.length for m in momentum]
-        self.across = across
-        self.rate = omega_e * (1 - along / across)
-        self.moment = along
-        self.twice_energy = rotation.dot(momentum, self.start)
+
+    @cached_property
+    def length(self) -> arb:
+        """The angular momentum |L| [kg m^2/s]."""
+        return rotation.dot(self.momentum, self.momentum).sqrt()
+
+    @cached_property
+    def unit_momentum(self) -> list[arb]:
+        """The direction L/|L| of the angular momentum."""
+        return [m / self.length for m in self.momentum]
+
+    @cached_property
+    def twice_energy(self) -> arb:
+        """Twice the energy, 2 E = L . omega [J]."""
+        return rotation.dot(self.momentum, self.start)
+
+    @cached_property
+    def rate(self) -> arb:
+        """The rate (omega . e)(1 - J3/J1) [rad/s] about e."""
+        return self.spin * (1 - self.along / self.across)
 
     def omega(self, t: arb) -> list[arb]:
         """omega in body axes turns about e by -rate t."""
-        back = rotation.matrix(rotation.turn(self.axis, -self.rate * t))
+        back = rotation.matrix(rotation.turn(self.e, -self.rate * t))
         return rotation.applied(back, self.start)
 
     def turn(self, t: arb) -> list[arb]:
         """The quaternion of R = exp(t L/J1) exp(t rate e)."""
-        about_momentum = rotation.turn(self.along, self.length / self.across * t)
-        about_axis = rotation.turn(self.axis, self.rate * t)
+        about_momentum = rotation.turn(self.unit_momentum, self.length / self.across * t)
+        about_axis = rotation.turn(self.e, self.rate * t)
         return rotation.times(about_momentum, about_axis)
 
     def constants(self) -> dict[str, arb]:
@@ -107,7 +137,7 @@ class AboutAxis(FreeBody):
     def lead(self, t: arb) -> arb:
         """The lead of a steady rotation per time (free_body.steady_lead), times t."""
         square = rotation.dot(self.start, self.start)
-        return steady_lead(self.moment, self.twice_energy, self.length, square) * t
+        return steady_lead(self.along, self.twice_energy, self.length, square) * t
 
 
 @dataclass(frozen=True)
@@ -243,12 +273,13 @@ class RigidCluster(ClosedForm):
             steady_axis = self._steady_axis(moments)
             omega_body = [w if i == steady_axis else arb(0) for i, w in enumerate(omega_body)]
         shifted: Any = tuple(w + arb_of(s) for w, s in zip(omega_body, self.shift, strict=True))
+        start = Principal.of(moments, shifted)
         shift_across = [s for i, s in enumerate(self.shift) if i != steady_axis]
         if steady_axis is not None and not any(shift_across):
-            return Steady(moments, shifted)
+            return Steady(start)
         if self._is_on_separatrix(moments[1]):
-            return Separatrix(moments, shifted)
-        return Elliptic(moments, shifted)
+            return Separatrix(start)
+        return Elliptic(start)
 
     def _about_axis(self, omega: Sequence[arb]) -> AboutAxis:
         """The motion with equal moments; three equal ones have no axis of their own, so take z."""

@@ -3,7 +3,9 @@ two_spheres.py, in Cartesian vectors.
 """
 
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from fractions import Fraction
+from functools import cached_property
 
 from flint import arb, arb_mat
 
@@ -13,7 +15,10 @@ from refdem.truth.balls import arb_of
 from refdem.truth.closed_forms.two_spheres import NAMES, WITNESS, TwoSpheres
 from refdem.truth.collision import Collision, Formula, moved_by_shares
 from refdem.truth.contact_motion import ContactMotion
+from refdem.truth.contact_phases import LinearContact
 from refdem.truth.events.truth import METHOD
+from refdem.truth.reals import Number
+from refdem.truth.refiner import Refiner
 from refdem.truth.spatial_phases import SpatialPhases
 from refdem.truth.sphere_pair import SpherePair, sphere_pair
 
@@ -23,15 +28,24 @@ DISPLACED = tuple(
 """NAMES with the spins last."""
 
 
+@dataclass(frozen=True)
 class SpinningSpheres(Collision):
     """The 18 quantities and scalars of two spheres; S displaces all 18."""
 
     method = METHOD
     witness = WITNESS
 
-    def __init__(self, scale: Mapping[str, float], pair: SpherePair, *, digits: int = 40) -> None:
-        self.spheres = pair
-        self.collide(scale, SpatialPhases(pair), pair.effective_mass, digits=digits)
+    spheres: SpherePair
+
+    @cached_property
+    def phases(self) -> LinearContact:
+        """The phases of the contact."""
+        return SpatialPhases(self.spheres)
+
+    @property
+    def effective_mass(self) -> Number:
+        """The mass [kg] of the relative motion along the normal."""
+        return self.spheres.effective_mass
 
     def formula_at(self, t: Fraction) -> Formula | None:
         if t == 0:
@@ -51,25 +65,20 @@ class SpinningSpheres(Collision):
 
     def units(self) -> list[Fraction]:
         """The units of r, v, o1, o2 [m, m/s, 1/s]."""
-        phases = self.phases
-        radii = self.spheres.radii
-        return [
-            unit
-            for unit in (phases.length, phases.speed, *(phases.speed / radius for radius in radii))
-            for _ in range(3)
-        ]
+        length = self.phases.length
+        speed = self.phases.speed
+        turns = [speed / radius for radius in self.spheres.radii]
+        return [unit for unit in (length, speed, *turns) for _ in range(3)]
 
     def quantities(self, relative: Sequence[arb]) -> dict[str, arb]:
         """The 18 quantities from r and v of body 1 against body 2, and both spins."""
-        shares = [
-            arb_of((1 - 2 * body) * self.spheres.masses[1 - body] / self.spheres.total_mass)
-            for body in (0, 1)
-        ]
-        bodies = [
-            [share * value for value in relative[:6]] + list(relative[6 + 3 * i : 9 + 3 * i])
-            for i, share in enumerate(shares)
-        ]
-        return dict(zip(NAMES, bodies[0] + bodies[1], strict=True))
+        values: list[arb] = []
+        # The centre of mass rests: r1 = (m2/M) r, r2 = -(m1/M) r, and so with v.
+        for body, sign in ((0, 1), (1, -1)):
+            share = arb_of(sign * self.spheres.masses[1 - body] / self.spheres.total_mass)
+            values += [share * value for value in relative[:6]]
+            values += relative[6 + 3 * body : 9 + 3 * body]
+        return dict(zip(NAMES, values, strict=True))
 
     def drifting(self) -> Sequence[int]:
         return range(6)
@@ -92,5 +101,5 @@ def truth(p: Parameters, scale: Mapping[str, float]) -> Truth:
     """
     pair = sphere_pair(p)
     if pair.leaves_plane:
-        return SpinningSpheres(scale, pair)
-    return TwoSpheres(scale, pair)
+        return SpinningSpheres(Refiner.of(scale), pair)
+    return TwoSpheres(Refiner.of(scale), pair)

@@ -30,6 +30,7 @@ from refdem.truth.events.crossing import SwitchError, sign
 from refdem.truth.events.system import Entry, Guard, Mode, State
 from refdem.truth.events.truth import HybridFlow
 from refdem.truth.exact import numbers
+from refdem.truth.refiner import Refiner
 from refdem.truth.traced_field import Field
 
 # Places of a state.
@@ -293,7 +294,7 @@ def truth(p: Parameters, scale: Mapping[str, float], until: Fraction) -> Truth:
         start,
         system.first,
         lambda y: {"x": y[PLACE], "v": y[SLIP] + system.belt},
-        scale,
+        Refiner.of(scale),
         state=("x", "v"),
         moved=(0, 1),
         witness=WITNESS,

@@ -22,17 +22,20 @@ force fades. Scalars: duration and restitution (of the normal velocity; neither 
 ends), max_overlap, max_force.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
+from dataclasses import dataclass, field
 from fractions import Fraction
+from functools import cached_property
 
 from flint import arb, arb_mat
 
 from refdem.truth.balls import arb_of
 from refdem.truth.collision import Collision, Formula, moved_by_shares
 from refdem.truth.contact_motion import ContactMotion
-from refdem.truth.contact_phases import ContactPhases
+from refdem.truth.contact_phases import ContactPhases, LinearContact
 from refdem.truth.events.truth import METHOD
 from refdem.truth.head_on_contact import HeadOnContact
+from refdem.truth.reals import Number
 from refdem.truth.sphere_pair import SpherePair
 
 NAMES = tuple(
@@ -47,6 +50,7 @@ MOVED = (*IN_PLANE, "omega1.z", "omega2.z")
 WITNESS = "Taylor series in Cartesian coordinates with the switches found anew, energy, momenta"
 
 
+@dataclass(frozen=True)
 class TwoSpheres(Collision):
     """Positions [m], velocities [m/s] and angular velocities [rad/s] of both, NAMES, at t >= 0.
 
@@ -56,14 +60,24 @@ class TwoSpheres(Collision):
 
     witness = WITNESS
 
-    def __init__(self, scale: Mapping[str, float], pair: SpherePair, *, digits: int = 40) -> None:
-        self.spheres = pair
-        phases = ContactPhases(pair)
-        self.collide(scale, phases, pair.effective_mass, digits=digits)
-        if pair.is_head_on:
-            self.method = "closed form"
+    spheres: SpherePair
+    method: str = field(init=False)
+
+    def __post_init__(self) -> None:
+        if self.spheres.is_head_on:
+            vars(self)["method"] = "closed form"
         else:
-            self.method = METHOD
+            vars(self)["method"] = METHOD
+
+    @cached_property
+    def phases(self) -> LinearContact:
+        """The phases of the contact."""
+        return ContactPhases(self.spheres)
+
+    @property
+    def effective_mass(self) -> Number:
+        """The mass [kg] of the relative motion along the normal."""
+        return self.spheres.effective_mass
 
     def formula_at(self, t: Fraction) -> Formula | None:
         if self.spheres.is_head_on or t == 0:

@@ -11,7 +11,7 @@ exact 0 by the reset):
     slide = Mode(lambda y: [y[1], -y[0] - f, 1], (Guard("stop", lambda y: y[1], lambda y:
     Entry("rest", lambda y: [y[0], 0, y[2]])),)) rest = Mode(lambda y: [0, 0, 1])
     HybridFlow({"slide": slide, "rest": rest}, [x0, v0, 0], lambda y: Entry("slide"), quantities,
-    scale, state=("x", "v"), moved=(0, 1))
+    Refiner.of(scale), state=("x", "v"), moved=(0, 1))
 
 A guard that is zero at the entry by construction is named with the order of that zero:
 Entry("slide", reset, {"stop": 1}); `sign` of crossing decides branches in `then`.

@@ -19,11 +19,12 @@ Hypotheses, and where each is checked:
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from copy import copy
+from dataclasses import KW_ONLY, dataclass, field, replace
 from fractions import Fraction
-from functools import partial
+from functools import cached_property, partial
 from itertools import count
 from math import ceil, log2
-from typing import Any, Generic, Protocol, Self, TypeVar
+from typing import Any, ClassVar, Generic, Protocol, Self, TypeVar
 
 from flint import arb, arb_mat, ctx
 
@@ -46,7 +47,7 @@ from refdem.truth.events.system import (
 )
 from refdem.truth.forecast import Course, follow
 from refdem.truth.growth import Fundamental, Grows, Growth, Norm, Retimed, Stretch, smooth
-from refdem.truth.refiner import Refiner, Size
+from refdem.truth.refiner import Refiner
 from refdem.truth.validated_flow import AHEAD, Quantities, TracedReading, balls_of
 from refdem.truth.validated_ivp.integration import GUARD, Piece
 
@@ -104,23 +105,23 @@ class Switching(Protocol[Motion]):
         """
 
 
+@dataclass(frozen=True)
 class EventProof(Guarded, Generic[Motion]):
     """The refiner and the sensitivity of a motion through events: it proves values, and S(t).
 
     The motion of `system` is followed anew at each precision of the ladder, until the radii that
-    `refiner` asks for are met. `label` begins every message.
+    `refiner` asks for are met. `label` begins every message; `kept` has motions and bounds.
     """
 
-    def __init__(self, system: Switching[Motion], refiner: Refiner, label: str = "") -> None:
-        self.system = system
-        self.refiner = refiner
-        self.label = label
-        self.kept: dict[Any, Any] = {}
+    system: Switching[Motion]
+    refiner: Refiner
+    label: str = ""
+    kept: dict[Any, Any] = field(default_factory=dict, init=False, compare=False, repr=False)
 
     def to(self, digits: int) -> Self:
         """The same proof for other digits; the motions that were followed serve both."""
-        other = copy(self)
-        other.refiner = self.refiner.to(digits)
+        other = replace(self, refiner=self.refiner.to(digits))
+        vars(other)["kept"] = self.kept
         return other
 
     def motion(self, bits: int) -> Motion:
@@ -343,12 +344,13 @@ class EventProof(Guarded, Generic[Motion]):
             return chart * self.system.beside(inner)
 
 
+@dataclass(frozen=True)
 class HybridFlow(Guarded, Truth):
-    """The motion of a system that switches, for t >= 0.
+    """The motion of a system that switches, for t >= 0, as a record of what the system is.
 
-    `start` has, for each coordinate, an exact number or a function that gives its ball; the last is
+    `begin` has, for each coordinate, an exact number or a function that gives its ball; the last is
     the clock. `first(y)` gives the entry into the first mode from balls of the start; its reset
-    must be None. `quantities(y)` has quantities by name, those of `state` among them, and `scale`
+    must be None. `quantities(y)` has quantities by name, those of `state` among them, and `refiner`
     the size of each; `moved` has the coordinates of the start that S displaces, each in the scale
     of its quantity of `state`.
 
@@ -357,46 +359,46 @@ class HybridFlow(Guarded, Truth):
     motion has them; `extremes` gives the scalars.
     """
 
-    clock_unit = None
+    clock_unit: ClassVar[None] = None
     method = METHOD
 
-    def __init__(
-        self,
-        modes: Mapping[str, Mode] | TracedModes,
-        start: Sequence[Fraction | int | Callable[[], arb]],
-        first: Callable[[State], Entry],
-        quantities: Quantities,
-        scale: Mapping[str, Size],
-        *,
-        state: Sequence[str],
-        moved: Sequence[int],
-        digits: int = 40,
-        witness: str = "none",
-        finished: Callable[[dict[str, arb]], dict[str, arb]] = lambda values: values,
-        still: Sequence[str] = (),
-        extremes: "Callable[[HybridFlow], dict[str, Ball]]" = lambda flow: {},
-    ) -> None:
-        self.modes = traced_modes(modes, len(start))
-        self.begin = list(start)
-        self.first = first
-        self.state = tuple(state)
-        self.moved = tuple(moved)
-        self.reading = TracedReading(quantities, len(self.begin))
-        self.proof: EventProof[HybridMotion] = EventProof(self, Refiner.of(scale, digits=digits))
-        self.witness = witness
-        self.finished = finished
-        self.still = tuple(still)
-        self.extremes = extremes
+    modes: Mapping[str, Mode] | TracedModes
+    begin: Sequence[Fraction | int | Callable[[], arb]]
+    first: Callable[[State], Entry]
+    quantities: Quantities
+    refiner: Refiner
+    _: KW_ONLY
+    state: Sequence[str]
+    moved: Sequence[int]
+    witness: str = "none"
+    finished: Callable[[dict[str, arb]], dict[str, arb]] = lambda values: values
+    still: Sequence[str] = ()
+    extremes: "Callable[[HybridFlow], dict[str, Ball]]" = lambda flow: {}
+
+    @cached_property
+    def programs(self) -> Mapping[str, Traced]:
+        """The modes as programs, by name."""
+        return traced_modes(self.modes, len(self.begin))
+
+    @cached_property
+    def reading(self) -> TracedReading:
+        """The quantities as programs of a state."""
+        return TracedReading(self.quantities, len(self.begin))
+
+    @cached_property
+    def proof(self) -> EventProof[HybridMotion]:
+        """The proof of values and of S, with the motions that were followed for it."""
+        return EventProof(self, self.refiner)
 
     @property
     def scale(self) -> Mapping[str, Fraction]:
         """The size of each quantity, against which its error counts."""
-        return self.proof.refiner.scale
+        return self.refiner.scale
 
     def refined(self, digits: int) -> Self:
-        """The same truth with radii of at most 10^-digits."""
+        """The same truth with radii of at most 10^-digits; programs and motions serve both."""
         other = copy(self)
-        other.proof = self.proof.to(digits)
+        vars(other).update(refiner=self.refiner.to(digits), proof=self.proof.to(digits))
         return other
 
     def at(self, t: Fraction) -> dict[str, Ball]:
@@ -431,7 +433,7 @@ class HybridFlow(Guarded, Truth):
         """The motion, to be followed at a precision."""
         with precision(bits):
             start = balls_of(self.begin)
-            return HybridMotion(self.modes, start, first_entry(self.first, start), bits)
+            return HybridMotion(self.programs, start, first_entry(self.first, start), bits)
 
     def displaced(self, axis: int, amount: Fraction) -> Self:
         """Raises NotCertifiedError: S comes from the variational equation, with the jump matrices,

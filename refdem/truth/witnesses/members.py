@@ -237,10 +237,12 @@ class Mindlin:
     """Hertz's contact of a sphere and a wall with Mindlin's spring, as a curve in s.
 
     m d'' = -k d^(3/2); friction is k_t sqrt(d) stretch, at most mu k d^(3/2). With d = w^2 and dt =
-    w ds everything is analytic at touch. The state is (w, v = d', t, v_y, R w_z, y, stretch); k and
-    k_t are per mass. The slip is positive at touch: where it is not, the mirror image is followed
-    (`side` is -1).
+    w ds everything is analytic at touch. The state is (w, v = d', t, v_y, R w_z, y, stretch), whose
+    places are named below; k and k_t are per mass. The slip is positive at touch: where it is not,
+    the mirror image is followed (`side` is -1).
     """
+
+    ROOT, CLOSING, TIME, ACROSS, SPIN, WAY, STRETCH = range(7)
 
     def __init__(self, p: Mapping[str, Any]) -> None:
         mass = arb_of(p["mass"])
@@ -270,34 +272,35 @@ class Mindlin:
     def rates(self, side: int, s: Any, y: Sequence[Any]) -> list[Any]:
         """The rates of the state by s, while it sticks (side 0) or slides to a side.
 
-        Each is w times that by t: dw/dt = v/(2 w), dv/dt = -k w^3, dv_y/dt = -f, d(R w_z)/dt = -5/2
-        f with the friction f per mass.
+        Each is w times that by t, as dt = w ds.
         """
         w, v, _, vy, spin, _, stretch = y
+        # The friction f per mass: k_t w stretch while it sticks, mu k w^3 while it slides.
         if side == 0:
             friction = w * self.kt * stretch
         else:
             friction = side * self.mu * self.k * w * w * w
+        # dw/dt = v/(2 w) from d = w^2, and dv/dt = -k d^(3/2) = -k w^3.
+        w_rate = v / 2
+        v_rate = -self.k * w * w * w * w
+        # dv_y/dt = -f, and d(R w_z)/dt = -5/2 f of a solid sphere.
         vy_rate = -friction * w
-        return [
-            v / 2,
-            -self.k * w * w * w * w,
-            w,
-            vy_rate,
-            vy_rate * 5 / 2,
-            vy * w,
-            (vy + spin) * w,
-        ]
+        spin_rate = vy_rate * 5 / 2
+        # dy/dt = v_y, and d stretch/dt is the slip v_y + R w_z.
+        return [w_rate, v_rate, w, vy_rate, spin_rate, vy * w, (vy + spin) * w]
 
     def margin(self, side: int, y: Sequence[Any]) -> Any:
         """The margin of a stick to its limit on a side, over w: mu k w^2 - side k_t stretch."""
-        return self.mu * self.k * y[0] * y[0] - side * self.kt * y[6]
+        w = y[self.ROOT]
+        # mu k w^3 is the limit of the friction, k_t w stretch is the spring's.
+        return self.mu * self.k * w * w - side * self.kt * y[self.STRETCH]
 
     def excess(self, side: int, y: Sequence[Any]) -> Any:
         """The rate at which a slip would stretch the spring beyond its limit: side k_t (v_y + R
         w_z) - mu k d'.
         """
-        return side * self.kt * (y[3] + y[4]) - self.mu * self.k * y[1]
+        slip = y[self.ACROSS] + y[self.SPIN]
+        return side * self.kt * slip - self.mu * self.k * y[self.CLOSING]
 
     def phases(self) -> Iterator[tuple[Solution, arb]]:
         """Each phase as its solution and its end in s, until the sphere parts from the wall."""
@@ -315,8 +318,9 @@ class Mindlin:
                 return
             state = solution.at(end)
             if then == "caught":
-                # The stick begins with the stretch at its limit.
-                state[6] = side * self.mu * self.k / self.kt * state[0] * state[0]
+                # The stick begins with the stretch at its limit: k_t stretch = mu k w^2.
+                w = state[self.ROOT]
+                state[self.STRETCH] = side * self.mu * self.k / self.kt * w * w
                 side = 0
             else:
                 side = int(then)
@@ -326,7 +330,7 @@ class Mindlin:
         """The functions that are positive within a phase, by what follows: "apart", "caught" (a
         stick), or the side of a slide.
         """
-        ends: dict[int | str, Value] = {"apart": lambda y: y[0]}
+        ends: dict[int | str, Value] = {"apart": lambda y: y[self.ROOT]}
         if side:
             ends["caught"] = partial(self.excess, side)
         else:
@@ -360,22 +364,25 @@ def mindlin_wall(p: Mapping[str, Any], times: Sequence[Fraction], claimed: Claim
     yield (
         None,
         {
-            "duration": last[2],
-            "rebound_across": law.side * last[3],
-            "rebound_spin": law.side * last[4] / law.radius,
+            "duration": last[law.TIME],
+            "rebound_across": law.side * last[law.ACROSS],
+            "rebound_spin": law.side * last[law.SPIN] / law.radius,
         },
     )
     for t in times:
         time = arb_of(t)
         state = last
-        if time < last[2]:
+        if time < last[law.TIME]:
             # The phase in which that time lies, and the s of the time in it.
-            solution, end = next(phase for phase in contact if time < phase[0].at(phase[1])[2])
+            solution, end = next(
+                phase for phase in contact if time < phase[0].at(phase[1])[law.TIME]
+            )
             begin = float(solution.begins[0])
             state = solution.at(solution.bisected(partial(late, time), begin, float(end)))
         w, v, state_time, vy, r_omega, y, _ = state
         # After the contact it flies on; during it this is 0.
         flight = time - state_time
+        # d = w^2, and x = d - R.
         position_x = w * w + v * flight - law.radius
         position_y = law.side * (y + vy * flight)
         spin = law.side * r_omega / law.radius

@@ -98,15 +98,15 @@ def test_every_order_of_the_moments_meets_the_witness(inertia, omega, order):
 
 
 PLANTED = {
-    "sense of the theta phase": lambda b: setattr(b, "sense", -b.sense),
-    "sign of the drift's zeta term": lambda b: setattr(
-        b, "drift", 2 * b.length / arb_of(b.inertia[b.other]) - b.drift
+    "sense of the theta phase": lambda b: vars(b).update(sense=-b.sense),
+    "sign of the drift's zeta term": lambda b: vars(b).update(
+        drift=2 * b.start.length / arb_of(b.start.inertia[b.other]) - b.drift
     ),
-    "sign of M_2": lambda b: setattr(b, "sign_b", -b.sign_b),
-    "branch of the start": lambda b: setattr(b, "shift", 2 * b.jacobi.k - b.shift),
-    "phase at the start left out": lambda b: setattr(b, "phase0", arb(1)),
-    "M about the wrong end of its axis": lambda b: setattr(b, "sign_c", -b.sign_c),
-    "rate off by 1e-25": lambda b: setattr(b, "rate", b.rate * (1 + arb("1e-25"))),
+    "sign of M_2": lambda b: vars(b).update(sign_b=-b.sign_b),
+    "branch of the start": lambda b: vars(b).update(shift=2 * b.jacobi.k - b.shift),
+    "phase at the start left out": lambda b: vars(b).update(phase0=arb(1)),
+    "M about the wrong end of its axis": lambda b: vars(b).update(sign_c=-b.sign_c),
+    "rate off by 1e-25": lambda b: vars(b).update(rate=b.rate * (1 + arb("1e-25"))),
 }
 
 

@@ -42,14 +42,14 @@ def test_places_meet_the_witness(apart, kind, given):
 
 
 PLANTED = {
-    "a line of nodes that drifts by 1e-9 too fast": lambda t: setattr(
-        t.body(), "drift", t.body().drift * (1 + 1e-9)
+    "a line of nodes that drifts by 1e-9 too fast": lambda t: vars(t.body()).update(
+        drift=t.body().drift * (1 + 1e-9)
     ),
     "axes that are left-handed": lambda t: t.axes().__setitem__(2, [-x for x in t.axes()[2]]),
     "the centre of the points for that of the masses": lambda t: vars(t).update(
         centre=[c + Fraction(1, 10**20) for c in t.centre]
     ),
-    "spin of the wrong sign": lambda t: setattr(t.body(), "shift", -t.body().shift),
+    "spin of the wrong sign": lambda t: vars(t.body()).update(shift=-t.body().shift),
 }
 
 

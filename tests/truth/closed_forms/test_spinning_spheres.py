@@ -234,7 +234,7 @@ def test_s_out_of_the_plane_is_no_less_than_what_displaced_truths_do(given):
     for axis in (1, 3):
         spins = list(found.spheres.spins)
         spins[axis] += tiny
-        moved = SpinningSpheres(found.scale, replace(found.spheres, spins=tuple(spins))).at(t)
+        moved = replace(found, spheres=replace(found.spheres, spins=tuple(spins))).at(t)
         own = float(found.scale[f"omega{axis // 3 + 1}.{'xyz'[axis % 3]}"])
         for name in NAMES:
             slope = float((moved[name].mid - plain[name].mid) / tiny)

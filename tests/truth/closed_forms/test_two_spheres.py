@@ -18,6 +18,7 @@ from refdem.truth.closed_forms.two_spheres import NAMES, TwoSpheres
 from refdem.truth.contact_motion import ContactMotion, TracedContact
 from refdem.truth.contact_phases import ContactPhases
 from refdem.truth.head_on_contact import HeadOnContact
+from refdem.truth.refiner import Refiner
 from refdem.truth.sphere_pair import SpherePair
 
 ZERO = Fraction(0)
@@ -43,7 +44,7 @@ SCALE = {name: {"r": 0.1, "v": 1.0, "o": 2.0}[name[0]] for name in NAMES}
 
 @cache
 def spheres(pair):
-    return TwoSpheres(SCALE, pair)
+    return TwoSpheres(Refiner.of(SCALE), pair)
 
 
 def state(pair, t):

@@ -11,6 +11,7 @@ from refdem.truth.events.crossing import sign
 from refdem.truth.events.motion import HybridMotion
 from refdem.truth.events.system import Entry, Guard, Mode, Traced
 from refdem.truth.events.truth import HybridFlow
+from refdem.truth.refiner import Refiner
 
 
 def bouncing():
@@ -123,8 +124,7 @@ def flow(modes, start, mode, *, touching=None, digits=40):
         [Fraction(x) for x in start],
         lambda y: Entry(mode, None, touching or {}),
         lambda y: dict(zip(names, y, strict=False)),
-        dict.fromkeys(names, 1),
+        Refiner.of(dict.fromkeys(names, 1), digits=digits),
         state=names,
         moved=tuple(range(len(names))),
-        digits=digits,
     )

@@ -22,7 +22,7 @@ from refdem.truth.events.system import Entry, Guard, Mode, State
 from refdem.truth.events.truth import HybridFlow
 from refdem.truth.exact import refuse_rounded_arguments
 from refdem.truth.reals import Number, near, pi, root
-from refdem.truth.refiner import Size
+from refdem.truth.refiner import Refiner, Size
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -77,7 +77,7 @@ def bounce(
         (height - radius, Fraction(0), Fraction(0)),
         lambda y: Entry("fly"),
         lambda y: {"r.y": y[0] + radius, "v.y": y[1]},
-        scale,
+        Refiner.of(scale),
         state=moving,
         moved=(0, 1),
         witness=WITNESS,
@@ -195,7 +195,7 @@ def stack(
         (starts[0], zero, starts[1], zero, zero),
         lambda y: Entry("squeezed"),
         lambda y: dict(zip(moving, y, strict=False)),
-        scale,
+        Refiner.of(scale),
         state=moving,
         moved=(0, 1, 2, 3),
         witness=WITNESS,

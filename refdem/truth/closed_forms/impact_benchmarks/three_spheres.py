@@ -7,16 +7,17 @@ torque. What follows is a pair (contact_phases) whose effective mass is that of 
 The outer two never touch each other as long as the middle one is not crushed.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
+from functools import cached_property
 
 from flint import arb, arb_mat
 
 from refdem.truth.balls import unit_matrix
 from refdem.truth.collision import Collision
 from refdem.truth.contact_motion import ContactMotion
-from refdem.truth.contact_phases import ContactPhases
+from refdem.truth.contact_phases import ContactPhases, LinearContact
 from refdem.truth.events.truth import METHOD
 from refdem.truth.reals import Number
 from refdem.truth.sphere_pair import TouchingPair
@@ -45,6 +46,7 @@ class Squeezed(TouchingPair):
         return False
 
 
+@dataclass(frozen=True)
 class ThreeSpheres(Collision):
     """Positions [m], velocities [m/s] and angular velocities [rad/s] of the three, NAMES, at t >=
     0, from touch.
@@ -53,9 +55,17 @@ class ThreeSpheres(Collision):
     method = METHOD
     witness = "Taylor series of the three bodies, each with its own equation; momenta"
 
-    def __init__(self, scale: Mapping[str, float], pair: Squeezed, *, digits: int = 40) -> None:
-        self.spheres = pair
-        self.collide(scale, ContactPhases(pair), pair.effective_mass, digits=digits)
+    spheres: Squeezed
+
+    @cached_property
+    def phases(self) -> LinearContact:
+        """The phases of the contact."""
+        return ContactPhases(self.spheres)
+
+    @property
+    def effective_mass(self) -> Number:
+        """The mass [kg] of the relative motion along the normal."""
+        return self.spheres.effective_mass
 
     def formula_at(self, t: Fraction) -> None:
         """None: the motion is followed."""

@@ -6,10 +6,10 @@ curvature (eps = 0), one lever. The third coordinate is the way that the centre 
 in units of X. Law as in two_spheres; the force ends with the overlap.
 """
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
-from functools import partial
+from functools import cached_property, partial
 from typing import Any
 
 from flint import arb, arb_mat
@@ -17,7 +17,7 @@ from flint import arb, arb_mat
 from refdem.truth.balls import arb_of, unit_matrix
 from refdem.truth.collision import Collision
 from refdem.truth.contact_motion import ContactMotion
-from refdem.truth.contact_phases import PlanarPhases, State, dyadic_root
+from refdem.truth.contact_phases import LinearContact, PlanarPhases, State, dyadic_root
 from refdem.truth.events.truth import METHOD
 from refdem.truth.reals import Number, near
 
@@ -111,6 +111,7 @@ class WallPhases(PlanarPhases):
         return [y[0] - self.wall.radius / self.length, -y[2], y[1], -y[3]]
 
 
+@dataclass(frozen=True)
 class WallImpact(Collision):
     """Place [m], velocity [m/s] and angular velocity [rad/s], NAMES, at t >= 0.
 
@@ -122,9 +123,17 @@ class WallImpact(Collision):
         "Taylor series in Cartesian coordinates with the switches found anew; sliding formulas"
     )
 
-    def __init__(self, scale: Mapping[str, float], pair: WallPair, *, digits: int = 40) -> None:
-        self.wall = pair
-        self.collide(scale, WallPhases(pair), pair.mass, digits=digits)
+    wall: WallPair
+
+    @cached_property
+    def phases(self) -> LinearContact:
+        """The phases of the contact."""
+        return WallPhases(self.wall)
+
+    @property
+    def effective_mass(self) -> Number:
+        """The mass [kg] of the relative motion along the normal."""
+        return self.wall.mass
 
     def formula_at(self, t: Fraction) -> None:
         """None: the motion is followed."""
