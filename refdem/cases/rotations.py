@@ -83,19 +83,19 @@ class Rotations(AlgebraCase):
             shape=(6,),
         ),
         Parameter(
-            name="masses", default="1,2,1/2", unit="kg", doc="of three points", shape=(3,), above=0
+            name="masses", default="1,2,1/2", unit="1", doc="of three points", shape=(3,), above=0
         ),
         Parameter(
             name="places",
             default="1,0,-1/2,-2,3/2,1/4,3,1,2",
-            unit="m",
+            unit="1",
             doc="of the points",
             shape=(3, 3),
         ),
         Parameter(
             name="velocities",
             default="2,-1,1/2,-1,3,1,1/4,1,-2",
-            unit="m/s",
+            unit="1",
             doc="of the points",
             shape=(3, 3),
         ),
