@@ -56,6 +56,29 @@ def _crossing(points: Sequence[Point], meets: int, target: float, number: int) -
     return met
 
 
+def error_within(points: Sequence[Point], budget: float) -> float | None:
+    """The error that a method reaches in `budget` seconds; None if its cheapest level takes longer.
+
+    On a straight line in logarithms between the last point that is not dearer and the next one,
+    of the medians; beyond the last point, and where errors fall no more, the least so far.
+    """
+    affordable = [k for k, point in enumerate(points) if seconds(point) <= budget]
+    if not affordable:
+        return None
+    last = affordable[-1]
+    least = min(points[k].error for k in affordable)
+    if last + 1 == len(points):
+        return least
+    before = points[last]
+    after = points[last + 1]
+    if not 0 < after.error < before.error:
+        return least
+    # How far along the line, in logarithms, from the point before to the one that is too dear.
+    part = math.log(budget / seconds(before)) / math.log(seconds(after) / seconds(before))
+    between: float = before.error * (after.error / before.error) ** part
+    return min(least, between)
+
+
 def order(points: Sequence[Point]) -> float | None:
     """The order between the finest two levels whose errors are truncation.
 

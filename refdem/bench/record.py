@@ -13,6 +13,10 @@ TARGETS = (1e-3, 1e-6, 1e-9, 1e-12)
 """Errors, in units of each quantity's scale, to which a time is asked for."""
 
 
+BUDGETS = (1e-4, 1e-3, 1e-2)
+"""Times [s] for which an error is asked: equal work of all methods."""
+
+
 class Point(msgspec.Struct, frozen=True, kw_only=True):
     """One level: largest error over the run, seconds in the engine's own loop round by round,
     set-up [s], steps (0: unknown).

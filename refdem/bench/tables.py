@@ -8,8 +8,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from refdem.bench.comparison import Change
-from refdem.bench.precision import per_step, seconds
-from refdem.bench.record import TARGETS, BenchRecord, Curve, Growth, Reach
+from refdem.bench.precision import error_within, per_step, seconds
+from refdem.bench.record import BUDGETS, TARGETS, BenchRecord, Curve, Growth, Reach
 
 NONE = "\N{EN DASH}"
 UNITS = ((1.0, "s"), (1e-3, "ms"), (1e-6, "us"), (1e-9, "ns"))
@@ -30,6 +30,7 @@ def tables(record: BenchRecord, label: str) -> list[Table]:
     able = [curve for curve in curves if curve.points]
     goals = tuple(f"to {target:.0e}".replace("e-0", "e-") for target in TARGETS)
     timed = ("method", *goals, "least error", "set-up of a run", "compile or first set-up")
+    worked = ("method", *(f"in {duration(budget)}" for budget in BUDGETS))
     measured = (
         "method",
         "order",
@@ -42,6 +43,7 @@ def tables(record: BenchRecord, label: str) -> list[Table]:
     refused = [(_name(curve), curve.refusal) for curve in curves if curve.refusal]
     about_instance = [
         Table("Time to an error", timed, [_times(curve) for curve in able]),
+        Table("Error at equal work", worked, [_at_equal_work(curve) for curve in able]),
         Table("Faster than the best peer by", ("method", *goals), _ratios(able)),
         Table("What else was seen", measured, [_more(curve) for curve in able]),
         Table("Not run", ("method", "reason"), refused),
@@ -83,6 +85,11 @@ def _reached(reach: Reach | None) -> str:
     if reach is None:
         return "not reached"
     return f"{duration(reach.seconds)} ({duration(reach.least)} to {duration(reach.most)})"
+
+
+def _at_equal_work(curve: Curve) -> tuple[str, ...]:
+    """The cells of a curve: the error that it reaches in each of the times."""
+    return (_name(curve), *(two(error_within(curve.points, budget)) for budget in BUDGETS))
 
 
 def _ratios(curves: Sequence[Curve]) -> list[tuple[str, ...]]:

@@ -6,7 +6,7 @@ name of an earlier result.
 
 import numpy as np
 
-from refdem.cases import _nine_entries
+from refdem.cases import _koenig, _nine_entries
 from refdem.cases._algebra import Row, X, Y, Z
 from refdem.core.parameters import Parameters
 
@@ -39,7 +39,7 @@ def rows(p: Parameters) -> list[Row]:
         ("globe-determinant", "determinant", ["globe"]),
     ]
     known = _plane_rows(p) + rotations + products + globe + _euler_rows(p) + _energy_rows(p)
-    return known + _commuting_rows(p) + _nine_entries.rows(p)
+    return known + _koenig.rows(p) + _commuting_rows(p) + _nine_entries.rows(p)
 
 
 def _plane_rows(p: Parameters) -> list[Row]:
@@ -161,6 +161,7 @@ def sizes(p: Parameters) -> dict[str, float]:
         "euler-back": np.pi * steep,
         **_sizes_of_cosines(p),
         **_sizes_of_shifts(p),
+        **_koenig.sizes(p),
         **_nine_entries.sizes(p),
     }
 

@@ -33,8 +33,10 @@ class Rotations(AlgebraCase):
         " one. The cosine of a multiple of an angle comes from its powers and by recurrence. Euler"
         " angles come back from their matrix, but their rates diverge where sin"
         " theta = 0, as the inverse of the matrix that takes them to omega does. A point at r of a"
-        " body moves with omega x r, whose square is omega^2 r^2 - (omega . r)^2. The frequency in"
-        " place of omega = 2 pi f makes the energy 39.48 times too small."
+        " body moves with omega x r, whose square is omega^2 r^2 - (omega . r)^2. The energy of"
+        " points is that of their mass in their centre and that about the centre, and so is their"
+        " angular momentum (Koenig); of a turn it is omega . J omega/2. The frequency in place of"
+        " omega = 2 pi f makes the energy 39.48 times too small."
     )
     latex = (
         r"R=R_z(\phi)R_x(\theta)R_z(\psi),"
@@ -81,6 +83,23 @@ class Rotations(AlgebraCase):
             shape=(6,),
         ),
         Parameter(
+            name="masses", default="1,2,1/2", unit="1", doc="of three points", shape=(3,), above=0
+        ),
+        Parameter(
+            name="places",
+            default="1,0,-1/2,-2,3/2,1/4,3,1,2",
+            unit="1",
+            doc="of the points",
+            shape=(3, 3),
+        ),
+        Parameter(
+            name="velocities",
+            default="2,-1,1/2,-1,3,1,1/4,1,-2",
+            unit="1",
+            doc="of the points",
+            shape=(3, 3),
+        ),
+        Parameter(
             name="small",
             default="1/10",
             unit="rad",
@@ -121,7 +140,9 @@ class Rotations(AlgebraCase):
             )
 
     def rows(self, p: Parameters) -> list[Row]:
-        """Plane, products of turns, Euler angles, energies, commutators, nine entries and four."""
+        """Plane, products of turns, Euler angles, energies, points, commutators, nine entries and
+        four.
+        """
         return _rotation_rows.rows(p)
 
     def sizes(self, p: Parameters) -> dict[str, float]:

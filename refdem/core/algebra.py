@@ -11,6 +11,7 @@ SIZES: dict[str, tuple[tuple[int, ...], int]] = {
     "dot": ((4, 4), 1),
     "difference": ((4, 4), 4),
     "quotient": ((1, 1), 1),
+    "scalar-sum": ((1, 1), 1),
     "vector-sum": ((3, 3), 3),
     "vector-difference": ((3, 3), 3),
     "vector-dot": ((3, 3), 1),
@@ -67,6 +68,17 @@ SIZES: dict[str, tuple[tuple[int, ...], int]] = {
     "omega-of-rate": ((4, 4), 3),  # 2 q' q* (1.89)
     "body-omega-of-rate": ((4, 4), 3),  # 2 q* q' (1.90)
     "rotation-energy": ((1, 1), 1),  # J omega^2/2
+    # masses, velocities point by point: kinetic energy, that of the centre of mass, that about it
+    "points-energy": ((0, 0), 1),
+    "centre-energy": ((0, 0), 1),
+    "energy-about-centre": ((0, 0), 1),
+    # masses, positions, velocities point by point: the same for angular momentum about the origin
+    "points-angular-momentum": ((0, 0, 0), 3),
+    "centre-angular-momentum": ((0, 0, 0), 3),
+    "angular-momentum-about-centre": ((0, 0, 0), 3),
+    # masses, positions point by point, omega: sum m |omega x r|^2/2, and omega . J omega/2
+    "swept-energy": ((0, 0, 3), 1),
+    "tensor-energy": ((0, 0, 3), 1),
     # dimension, coordinates point by point, rods as pairs of point numbers: dimension of the space
     # of velocities that keep every rod's length to first order
     "first-order-freedom": ((1, 0, 0), 1),

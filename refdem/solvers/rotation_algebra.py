@@ -13,7 +13,7 @@ from refdem.core.engine import Method
 from refdem.core.problem import Identity, Request
 from refdem.core.statics import results
 from refdem.core.trajectory import Cost, Trajectory
-from refdem.mechanics import freedom, response, rotation
+from refdem.mechanics import freedom, koenig, response, rotation
 from refdem.mechanics.multiple_angle import cosine_by_powers, cosine_by_recurrence
 from refdem.mechanics.period_doubling import doubling_point, two_cycle
 from refdem.mechanics.quaternion import conjugate, matrix, product, rotated
@@ -102,11 +102,17 @@ def square(m: Array) -> Array:
     return m.reshape(3, 3)
 
 
+def vectors(numbers: Array) -> Array:
+    """The vectors (N, 3) of three numbers a point (3 N,)."""
+    return numbers.reshape(-1, 3)
+
+
 ANSWERS: dict[str, Callable[..., Any]] = {
     "sum": np.add,
     "dot": np.dot,
     "difference": np.subtract,
     "quotient": np.divide,
+    "scalar-sum": np.add,
     "vector-sum": np.add,
     "vector-difference": np.subtract,
     "vector-dot": np.dot,
@@ -160,6 +166,18 @@ ANSWERS: dict[str, Callable[..., Any]] = {
     "omega-of-rate": lambda q, rate: 2 * product(rate, conjugate(q))[1:],
     "body-omega-of-rate": lambda q, rate: 2 * product(conjugate(q), rate)[1:],
     "rotation-energy": lambda inertia, omega: inertia * omega**2 / 2,
+    "points-energy": lambda m, v: koenig.energy(m, vectors(v)),
+    "centre-energy": lambda m, v: koenig.energy_of_centre(m, vectors(v)),
+    "energy-about-centre": lambda m, v: koenig.energy_about_centre(m, vectors(v)),
+    "points-angular-momentum": (lambda m, r, v: koenig.angular_momentum(m, vectors(r), vectors(v))),
+    "centre-angular-momentum": (
+        lambda m, r, v: koenig.angular_momentum_of_centre(m, vectors(r), vectors(v))
+    ),
+    "angular-momentum-about-centre": (
+        lambda m, r, v: koenig.angular_momentum_about_centre(m, vectors(r), vectors(v))
+    ),
+    "swept-energy": lambda m, r, omega: koenig.swept_energy(m, vectors(r), omega),
+    "tensor-energy": lambda m, r, omega: koenig.tensor_energy(m, vectors(r), omega),
     "first-order-freedom": lambda size, x, rods: freedom.first_order_freedom(
         x.reshape(-1, int(size[0])), pairs(rods)
     ),

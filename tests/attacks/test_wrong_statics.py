@@ -8,7 +8,7 @@ import pytest
 from refdem.cases import _solids
 from refdem.core import discovery
 from refdem.errors import UsageError
-from refdem.mechanics import freedom, mass_properties, quaternion, rotation
+from refdem.mechanics import freedom, koenig, mass_properties, quaternion, rotation
 from refdem.planning.in_process import record_of, task_of, truth_of
 from refdem.scene.shapes import Polyhedron
 from refdem.solvers import mass_properties as solid_solver
@@ -260,6 +260,55 @@ ROTATION_FAULTS = {
         lambda f: lambda eta: f(eta) + 0.01,
         "bifurcations",
         "two-cycle.1",
+    ),
+    "the energy of the centre without its mass": (
+        koenig,
+        "energy_of_centre",
+        lambda f: lambda m, v: f(m, v) / m.sum(),
+        "rotations",
+        "koenig-energy",
+    ),
+    "a centre without weights": (
+        koenig,
+        "mean",
+        lambda f: lambda m, vectors: vectors.mean(axis=0),
+        "rotations",
+        "koenig-energy",
+    ),
+    "energy about the centre at the velocities of space": (
+        koenig,
+        "energy_about_centre",
+        lambda f: koenig.energy,
+        "rotations",
+        "koenig-energy",
+    ),
+    "arms from the origin about the centre, velocities too": (
+        koenig,
+        "angular_momentum_about_centre",
+        lambda f: koenig.angular_momentum,
+        "rotations",
+        "koenig-momentum.0",
+    ),
+    "v x r for r x v": (
+        koenig,
+        "angular_momentum",
+        lambda f: lambda m, r, v: f(m, v, r),
+        "rotations",
+        "points-momentum.0",
+    ),
+    "a tensor about the centre of mass for one about the origin": (
+        koenig,
+        "tensor_energy",
+        lambda f: lambda m, r, omega: f(m, r - koenig.mean(m, r), omega),
+        "rotations",
+        "tensor-energy",
+    ),
+    "products of inertia left out": (
+        koenig,
+        "tensor_energy",
+        lambda f: lambda m, r, omega: sum(f(m, r, axis) for axis in np.diag(omega)),
+        "rotations",
+        "tensor-energy",
     ),
     "mirror as a turn": (
         rotation_algebra,

@@ -34,6 +34,22 @@ def test_the_least_and_the_most_of_the_rounds_are_kept_beside_the_median() -> No
     assert (found.least, found.seconds, found.most) == (1.0, 2.0, 3.0)
 
 
+def test_the_error_in_a_time_lies_on_a_line_between_logarithms() -> None:
+    curve = points((1e-1, 1e-2, 1.0), (1e-2, 1e-4, 10.0))
+    assert precision.error_within(curve, 10**0.5) == pytest.approx(1e-3, rel=1e-12)
+    assert precision.error_within(curve, 10.0) == 1e-4
+
+
+def test_a_time_shorter_than_every_run_buys_no_error() -> None:
+    assert precision.error_within(points((1e-1, 1e-2, 1.0)), 0.5) is None
+
+
+def test_more_time_than_the_finest_level_takes_buys_the_least_error() -> None:
+    curve = points((0.4, 1e-2, 1.0), (0.2, 1e-15, 2.0), (0.1, 3e-15, 4.0))
+    assert precision.error_within(curve, 3.0) == 1e-15
+    assert precision.error_within(curve, 100.0) == 1e-15
+
+
 @pytest.mark.parametrize("order", [1, 2, 4, 8])
 def test_the_order_and_the_constant_of_a_power_law_are_found(order: int) -> None:
     tau = 0.5

@@ -65,6 +65,37 @@ def test_what_a_low_order_cannot_reach_is_not_reached(record: BenchRecord) -> No
     assert curve(record, "velocity-verlet").reached[-1] is None
 
 
+GEAR = {f"gear-{order}" for order in (4, 5, 6)}
+
+
+def test_every_method_of_a_scene_has_its_row(record: BenchRecord) -> None:
+    # What the reference has in its registry is measured: no list is written by hand.
+    body = Bench(
+        [Entry("free-rigid-body", {"duration": "2"})],
+        ["reference"],
+        rounds=1,
+        most_steps=2e3,
+        with_peers=False,
+        with_memory=False,
+        with_stability=False,
+    ).record()
+    of_a_body = {f"{name}-free-body" for name in (*GEAR, "exact", "rk4", "splitting")}
+    assert {found.method for found in body.curves} == {*of_a_body, "euler-angles"}
+    assert all(found.points for found in body.curves)
+    of_an_oscillator = {found.method for found in record.curves}
+    assert of_an_oscillator >= {*GEAR, "exact-harmonic", "rk4", "velocity-verlet"}
+
+
+def test_errors_at_equal_work_fall_with_the_order_and_with_time(record: BenchRecord) -> None:
+    shown = {table.title: table for table in tables(record, "harmonic-oscillator[duration=4]")}
+    rows = {row[0]: row[1:] for row in shown["Error at equal work"].rows}
+    assert set(rows) == {row[0] for row in shown["Time to an error"].rows}
+    in_a_millisecond = [
+        float(rows[f"reference {name} (reference)"][1]) for name in ("velocity-verlet", "rk4")
+    ]
+    assert in_a_millisecond[0] > 100 * in_a_millisecond[1]
+
+
 @pytest.mark.parametrize(
     ("method", "limit"), [("velocity-verlet", 1.0), ("rk4", 2.8284271247461903 / 2)]
 )

@@ -236,6 +236,26 @@ EXACT = {
     "omega-of-rate": (([1.0, 0, 0, 0], [0.0, 1, 2, 3]), [2, 4, 6]),
     "body-omega-of-rate": ((QUARTER.tolist(), [0.0, R, R, 0.0]), [2, 0, 0]),
     "rotation-energy": (([3.0], [2.0]), [6.0]),
+    "scalar-sum": (([3.0], [-5.0]), [-2.0]),
+    # 1 kg with e_x at e_y and 3 kg at rest at 4 e_z: the centre moves with e_x/4 at (0, 1/4, 3).
+    "points-energy": (([1.0, 3], [1.0, 0, 0, 0, 0, 0]), [0.5]),
+    "centre-energy": (([1.0, 3], [1.0, 0, 0, 0, 0, 0]), [0.125]),
+    "energy-about-centre": (([1.0, 3], [1.0, 0, 0, 0, 0, 0]), [0.375]),
+    "points-angular-momentum": (
+        ([1.0, 3], [0.0, 1, 0, 0, 0, 4], [1.0, 0, 0, 0, 0, 0]),
+        [0, 0, -1],
+    ),
+    "centre-angular-momentum": (
+        ([1.0, 3], [0.0, 1, 0, 0, 0, 4], [1.0, 0, 0, 0, 0, 0]),
+        [0, 3, -0.25],
+    ),
+    "angular-momentum-about-centre": (
+        ([1.0, 3], [0.0, 1, 0, 0, 0, 4], [1.0, 0, 0, 0, 0, 0]),
+        [0, -3, -0.75],
+    ),
+    # About x: both arms of 1 m and of 4 m; about z the first alone.
+    "swept-energy": (([1.0, 3], [0.0, 1, 0, 0, 0, 4], [2.0, 0, 1]), [98.5]),
+    "tensor-energy": (([1.0, 3], [0.0, 1, 0, 0, 0, 4], [2.0, 0, 1]), [98.5]),
     "vector-dot": (([1.0, 2, 3], [4.0, -5, 6]), [12.0]),
     "cross": (([1.0, 2, 3], [4.0, 5, 6]), [-3, 6, -3]),
     "cross-square": (([1.0, 2, 3], [4.0, 5, 6]), [54.0]),

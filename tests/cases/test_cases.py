@@ -122,7 +122,10 @@ CARRIED = {
 TIMELESS = {
     "degrees-of-freedom": "points",
     "moments-of-inertia": "a b c density hollow thin attitude",
-    "rotations": "angle vector euler omega near frequency shifts small step multiple",
+    "rotations": (
+        "angle vector euler omega near frequency shifts masses places velocities small step"
+        " multiple"
+    ),
     "quaternions": "p q r vector omega rise",
     "bifurcations": "amplitude alpha beta delta f0 eta",
 }

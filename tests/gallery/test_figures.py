@@ -328,6 +328,14 @@ def test_the_return_map_of_the_belt_fills_intervals_and_that_of_the_logistic_map
     value = next(number for what, number in logistic.items() if "3.5699" in what)
     assert abs(value - 0.538045) < 3 * logistic["its standard error"] < 0.05
     assert logistic["box dimension at eta = 4"] == 1.0
+    # In the plane of (x, next x): on a curve for the belt, the same fractal for the map.
+    for what, error in (
+        ("box dimension of the points (x, next x) at eta = 1.22", "standard error of that"),
+        ("box dimension of the points (x, next x) there (1: a curve)", "standard error of this"),
+    ):
+        assert abs(belt[what] - 1) < 3 * belt[error] < 0.1
+    in_plane = logistic["box dimension of the points (x, next x) there"]
+    assert abs(in_plane - 0.538045) < 3 * logistic["standard error of this"] < 0.1
 
 
 def test_orders_of_summation_turn_bodies_apart_at_the_rate_of_eulers_equations():

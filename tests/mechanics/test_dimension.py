@@ -1,12 +1,13 @@
 """Box dimensions of sets that have one on paper, and of two return maps: that of the stick-slip
-oscillator fills intervals, that of the logistic map at the end of its doublings is a fractal.
+oscillator fills intervals, and a curve of the plane, that of the logistic map at the end of its
+doublings is a fractal.
 """
 
 import numpy as np
 import pytest
 
 from refdem.gallery.belt import section
-from refdem.mechanics.dimension import box_counts, box_dimension
+from refdem.mechanics.dimension import box_counts, box_dimension, return_map
 
 RNG = np.random.default_rng(38)
 COUNT = 2**16
@@ -45,6 +46,64 @@ def test_cantors_set_has_dimension_ln_2_over_ln_3() -> None:
     assert error < 0.06
 
 
+def dust(base: int, digits: tuple[int, ...], places: int) -> np.ndarray:
+    """All points of the plane whose coordinates have only these digits, so many of them."""
+    line = np.zeros(1)
+    for number in range(1, places + 1):
+        steps = np.array(digits) / float(base) ** number
+        line = (line[:, None] + steps).ravel()
+    across, up = np.meshgrid(line, line)
+    return np.column_stack((across.ravel(), up.ravel()))
+
+
+def test_boxes_of_the_plane_are_counted_once() -> None:
+    corners = np.array([[0.0, 0.0], [0.1, 5.0], [2.0, 0.2], [2.0, 8.0], [1.9, 7.9]])
+    assert box_counts(corners, [0, 1, 2, 3]).tolist() == [1, 4, 4, 4]
+
+
+def test_cantors_dust_has_dimension_2_ln_2_over_ln_3() -> None:
+    value, error = box_dimension(dust(3, (0, 2), 9), 2, 10)
+    assert abs(value - 2 * np.log(2) / np.log(3)) < 3 * error
+    assert error < 0.08
+
+
+def test_a_dust_that_keeps_four_corners_of_16_squares_has_dimension_one() -> None:
+    points = dust(4, (0, 3), 8)
+    # Every other halving only makes its boxes smaller: the gains are 2 and 0 in turns.
+    assert box_counts(points, range(7)).tolist() == [1, 4, 4, 16, 16, 64, 64]
+    value, error = box_dimension(points, 2, 14)
+    assert value == 1.0
+    assert error == pytest.approx(np.sqrt(1 / 11))
+
+
+def test_a_curve_has_dimension_one_and_an_area_two() -> None:
+    angle = RNG.uniform(0, 2 * np.pi, COUNT)
+    circle = np.column_stack((3 * np.cos(angle), np.sin(angle)))
+    value, error = box_dimension(circle, 5, 9)
+    assert abs(value - 1) < 3 * error < 0.05
+    value, error = box_dimension(RNG.uniform(size=(COUNT, 2)), 1, 6)
+    assert (value, error) == (2.0, 0.0)
+
+
+def test_kochs_curve_has_dimension_ln_4_over_ln_3() -> None:
+    ends = np.array([0.0 + 0.0j, 1.0 + 0.0j])
+    for _ in range(9):
+        parts = np.diff(ends) / 3
+        peak = parts * np.exp(1j * np.pi / 3)
+        corners = [ends[:-1], ends[:-1] + parts, ends[:-1] + parts + peak, ends[:-1] + 2 * parts]
+        ends = np.append(np.column_stack(corners).ravel(), 1.0)
+    value, error = box_dimension(np.column_stack((ends.real, ends.imag)), 3, 9)
+    assert abs(value - np.log(4) / np.log(3)) < 3 * error
+    assert error < 0.05
+
+
+def test_the_plane_sees_the_fractal_that_the_line_does() -> None:
+    # The points (x, next x) lie on the parabola of the map, and neither adds a dimension.
+    value, error = box_dimension(return_map(logistic(ACCUMULATION, COUNT)), 4, 14)
+    assert abs(value - FEIGENBAUM_SET) < 3 * error
+    assert error < 0.03
+
+
 def test_the_return_map_of_the_logistic_map_is_a_fractal() -> None:
     value, error = box_dimension(logistic(ACCUMULATION, COUNT), 4, 16)
     assert abs(value - FEIGENBAUM_SET) < 3 * error
@@ -62,8 +121,11 @@ def test_the_return_map_of_the_logistic_map_is_a_fractal() -> None:
 )
 def test_that_of_the_stick_slip_oscillator_fills_an_interval(eta, given, regime, rate) -> None:
     """Every box holds a point; two chaotic motions part at the rate 0.086 1/s."""
-    passages = section(np.array([eta]), skip=200, keep=2**14, **given)
+    passages = section(np.array([eta]), skip=200, keep=2**16, **given)
     assert passages.exponent.regimes().tolist() == [regime]
     assert passages.exponent.value[0] == pytest.approx(rate, abs=0.002)
     (places,) = passages.places
     assert box_dimension(places, 2, 8) == (1.0, 0.0)
+    # In the plane each is a curve, of which a place alone decides the next one.
+    value, error = box_dimension(return_map(places), 5, 9)
+    assert abs(value - 1) < 3 * error < 0.1

@@ -8,7 +8,7 @@ import numpy as np
 
 from refdem.core.figure import Axis, Figure, Panel, Series
 from refdem.gallery.belt import CHAOTIC, section
-from refdem.mechanics.dimension import box_dimension
+from refdem.mechanics.dimension import box_dimension, return_map
 
 WHOLE = (0.9, 2.5, 320)
 """Ends and number of the frequencies eta [rad/s] of the whole map."""
@@ -17,8 +17,10 @@ SKIP = 80
 """Periods of the drive before the section is drawn: the start is forgotten by then."""
 KEEP = 120
 """Periods of the drive whose points are drawn."""
-DENSE = 2**14
-"""Periods of the drive from which a dimension is counted: 256 boxes are then all visited."""
+DENSE = 2**16
+"""Periods of the drive from which a dimension is counted: 256 boxes of a line and a curve through
+512 times 512 of the plane are then visited.
+"""
 DENSE_ETA = 1.22
 """Frequency [rad/s] of the drive at which it is counted."""
 
@@ -40,7 +42,8 @@ def figure() -> Figure:
         " the quadratic law, which fit the chapter's axes, no frequency has an exponent above zero"
         " by three standard errors: what fills a line there is quasi-periodic. The chapter, which"
         " calls it chaos, gives no gamma. At gamma = 2 and the linear law many exponents are"
-        " positive; magnified, the map does not repeat itself."
+        " positive; magnified, the map does not repeat itself. At eta = 1.22 the points of the"
+        " plane that a place and the next one make lie on a curve in both motions."
     )
     title = "Return map of the stick-slip oscillator"
     return Figure(
@@ -94,10 +97,16 @@ def dimensions() -> dict[str, float]:
     chaotic = section(eta, skip=SKIP, keep=DENSE, **CHAOTIC)
     of_quasi_periodic, _ = box_dimension(quasi_periodic.places[0], 2, 8)
     of_chaotic, error = box_dimension(chaotic.places[0], 2, 8)
+    first_in_plane, first_error = box_dimension(return_map(quasi_periodic.places[0]), 5, 9)
+    second_in_plane, second_error = box_dimension(return_map(chaotic.places[0]), 5, 9)
     return {
         "box dimension at eta = 1.22": of_quasi_periodic,
         "exponent at eta = 1.22, gamma = 2, linear law [1/s]": float(chaotic.exponent.value[0]),
         "its standard error [1/s]": float(chaotic.exponent.error[0]),
         "box dimension there (1: no fractal)": of_chaotic,
         "its standard error": error,
+        "box dimension of the points (x, next x) at eta = 1.22": first_in_plane,
+        "standard error of that": first_error,
+        "box dimension of the points (x, next x) there (1: a curve)": second_in_plane,
+        "standard error of this": second_error,
     }

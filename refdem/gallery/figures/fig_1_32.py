@@ -6,7 +6,7 @@ import numpy as np
 
 from refdem.core.figure import GREY, Axis, Figure, Panel, Series
 from refdem.gallery.iterates import late, remember_run
-from refdem.mechanics.dimension import box_dimension
+from refdem.mechanics.dimension import box_dimension, return_map
 
 WINDOWS = (((2.8, 4.0), (0.0, 1.0)), ((3.44, 3.63), (0.32, 0.62)), ((3.54, 3.5875), (0.455, 0.555)))
 """eta and x of the whole, of the middle branch from its second doubling on, and of the middle
@@ -43,13 +43,17 @@ def figure() -> Figure:
     )
     chaotic = late(4.0, chunks=8)
     # The end of the doublings, where the map is a fractal, and a place where it fills [0, 1].
-    dimension, error = box_dimension(late(ACCUMULATION, chunks=256), 4, 14)
+    settled = late(ACCUMULATION, chunks=256)
+    dimension, error = box_dimension(settled, 4, 14)
+    in_plane, error_in_plane = box_dimension(return_map(settled), 4, 14)
     filled, _ = box_dimension(late(4.0, chunks=256), 2, 8)
     numbers = {
         "least of 1032 iterates at eta = 4": float(chaotic.min()),
         "greatest": float(chaotic.max()),
         "box dimension at eta = 3.569945671870945 (a fractal; Grassberger 1981: 0.538)": dimension,
         "its standard error": error,
+        "box dimension of the points (x, next x) there": in_plane,
+        "standard error of this": error_in_plane,
         "box dimension at eta = 4": filled,
     }
     return Figure(

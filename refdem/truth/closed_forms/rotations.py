@@ -13,7 +13,7 @@ from flint import acb, arb
 from refdem.core.parameters import Parameters
 from refdem.core.truth import Truth
 from refdem.truth.balls import arb_of
-from refdem.truth.closed_forms import nine_entries
+from refdem.truth.closed_forms import koenig, nine_entries
 from refdem.truth.closed_forms.quaternions import listed
 from refdem.truth.exact import number, vector
 from refdem.truth.refiner import Refiner
@@ -154,7 +154,8 @@ def values(p: Parameters) -> dict[str, list[arb]]:
     euler = [arb_of(angle) for angle in vector(p, "euler")]
     step = nine_entries.values(p, euler_matrix(*euler), quaternion(*euler))
     angles = in_the_plane(p) | of_multiples(p) | by_euler(p) | rate_rows(*euler[:2]) | swept(p)
-    return quarter_turns | angles | energies | shifted(p) | by_small_turns(p) | step
+    commuting = shifted(p) | by_small_turns(p)
+    return quarter_turns | angles | energies | koenig.values(p) | commuting | step
 
 
 def of_multiples(p: Parameters) -> dict[str, list[arb]]:

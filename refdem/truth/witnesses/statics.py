@@ -17,6 +17,7 @@ from flint import arb, arb_mat, nmod_mat
 from refdem.core.parameters import Exact
 from refdem.truth.balls import arb_of
 from refdem.truth.exact import number, numbers, vector
+from refdem.truth.witnesses.koenig import of_points
 from refdem.truth.witnesses.testimony import Claimed, Said, Witness
 from refdem.truth.witnesses.turns import (
     about,
@@ -490,7 +491,7 @@ def rotations(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claime
     # Energy per moment of inertia: omega^2/2 with omega = 2 pi f, and with f in its place.
     energy = (2 * arb.pi() * frequency) ** 2 / 2
     of_frequency = frequency * frequency / 2
-    energies = {
+    energies: dict[str, Sequence[Any]] = {
         "energy": [energy],
         "frequency-energy": [of_frequency],
         "energy-ratio": [energy / of_frequency],
@@ -500,7 +501,8 @@ def rotations(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claime
     stepped = of_a_step(p, matrix, attitude(phi, theta, psi))
     stepped["nine-entries-freedom"] = [freedom_of_nine_entries()]
     angles = in_the_plane(p) | of_multiples(p) | by_euler(p) | rate_matrices(p) | swept(p)
-    yield None, listed(quarter_turns() | commuting(p) | angles | stepped | energies)
+    energies_of_all = energies | of_points(p)
+    yield None, listed(quarter_turns() | commuting(p) | angles | stepped | energies_of_all)
 
 
 def quarter_turns() -> dict[str, Sequence[Any]]:
