@@ -49,7 +49,7 @@ class Number:
         return f"{self.parameter}.{self.place}"
 
     def of(self, p: Mapping[str, Exact]) -> Fraction:
-        """Its exact value."""
+        """The exact value of the number."""
         value = p[self.parameter]
         if isinstance(value, tuple) and self.place is not None:
             value = value[self.place]
@@ -75,6 +75,14 @@ class Differentiable(Protocol):
 
     def refined(self, digits: int) -> Self:
         """The same truth to other digits."""
+
+
+@runtime_checkable
+class HasEquation(Protocol):
+    """A closed form in functions that have no dual numbers, as the elliptic ones."""
+
+    def by_equation(self) -> Truth:
+        """The same quantities from the equation of motion, to the same digits."""
 
 
 @dataclass(frozen=True)
@@ -115,6 +123,8 @@ def sensitivities(
         unit = [int(k == other) for other in range(len(numbers))]
         moved = number.set_in(moved, ExactDual(number.of(p), unit))
     truth = make(moved).refined(digits)
+    if isinstance(truth, HasEquation):
+        truth = truth.by_equation()
     if not isinstance(truth, Differentiable):
         raise NotCertifiedError(
             f"derivatives of this truth by its parameters are not certified yet: {truth.method}"

@@ -30,7 +30,6 @@ from refdem.core.truth import Truth
 from refdem.errors import NotCertifiedError
 from refdem.truth.balls import arb_of
 from refdem.truth.closed_form import ClosedForm, displaced_fields, per_precision
-from refdem.truth.dual import Derivatives
 from refdem.truth.energy_growth import Line, Neighbour
 from refdem.truth.exact import numbers
 from refdem.truth.from_rest import derivative_from_rest, rates_from_rest
@@ -212,11 +211,9 @@ class Duffing(ClosedForm):
             return (u.sin() / w, u.cos())
         return (u.sinh() / w, u.cosh())
 
-    def derivatives(self, t: Fraction, count: int) -> Derivatives:
-        """The derivatives at t by `count` parameters, from the equation of motion: the elliptic
-        functions have no dual numbers.
-        """
-        return self.equation().refined(self.digits).derivatives(t, count)
+    def by_equation(self) -> ValidatedFlow:
+        """The same quantities from the equation of motion, to the same digits."""
+        return self.equation().refined(self.digits)
 
     def equation(self) -> ValidatedFlow:
         """The same motion by its equation, with the same quantities."""

@@ -27,7 +27,6 @@ from refdem.core.parameters import Parameters
 from refdem.core.truth import Truth
 from refdem.truth.balls import UndecidedError, arb_of, nearest_integer
 from refdem.truth.closed_form import ClosedForm, displaced_fields, per_precision
-from refdem.truth.dual import Derivatives
 from refdem.truth.energy_growth import Line, Neighbour
 from refdem.truth.exact import numbers
 from refdem.truth.growth import CLOSED_BITS, Grows
@@ -271,11 +270,9 @@ class Pendulum(ClosedForm):
             "rod_force": force,
         }
 
-    def derivatives(self, t: Fraction, count: int) -> Derivatives:
-        """The derivatives at t by `count` parameters, from the equation of motion: the elliptic
-        functions have no dual numbers.
-        """
-        return self.equation().refined(self.digits).derivatives(t, count)
+    def by_equation(self) -> ValidatedFlow:
+        """The same quantities from the equation of motion, to the same digits."""
+        return self.equation().refined(self.digits)
 
     def equation(self, quantities: Quantities | None = None) -> ValidatedFlow:
         """The same motion by its equation, with the same quantities or with others."""

@@ -17,11 +17,11 @@ from refdem.core.truth import Truth
 from refdem.truth.balls import arb_of
 from refdem.truth.closed_form import ClosedForm, displaced_part, per_precision
 from refdem.truth.closed_forms.pendulum import WITNESS, Equilibrium, Pendulum
-from refdem.truth.dual import Derivatives
 from refdem.truth.exact import number
 from refdem.truth.growth import Grows
 from refdem.truth.refiner import Refiner
 from refdem.truth.smooth_flow import derivative_by_start
+from refdem.truth.validated_flow import ValidatedFlow
 
 SEEN = ("x", "y", "vx", "vy")
 
@@ -46,11 +46,11 @@ class PendulumEquilibria(ClosedForm):
     displaced = displaced_part("pendulum")
     jacobian = derivative_by_start
 
-    def derivatives(self, t: Fraction, count: int) -> Derivatives:
-        """The derivatives at t by `count` parameters, from the equation of motion."""
+    def by_equation(self) -> ValidatedFlow:
+        """The quantities from the equation of motion, to the same digits."""
         flow = self.pendulum.equation(self.seen).refined(self.digits)
-        by_name = flow.derivatives(t, count)
-        return {name: by_name[name] for name in SEEN}
+        flow.reported = SEEN
+        return flow
 
     def evaluate(self, t: arb) -> dict[str, arb]:
         """x = l sin theta, y = -l cos theta and their rates; at rest these are exact."""

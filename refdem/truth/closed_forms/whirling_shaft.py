@@ -28,7 +28,6 @@ from refdem.core.parameters import Parameters
 from refdem.core.truth import Truth
 from refdem.truth.balls import arb_of
 from refdem.truth.closed_form import ClosedForm, displaced_tuple, per_precision
-from refdem.truth.dual import Derivatives
 from refdem.truth.exact import numbers, vector
 from refdem.truth.growth import Grows, Norm, SteadyGrowth, Told, narrow
 from refdem.truth.refiner import Refiner
@@ -107,9 +106,9 @@ class WhirlingShaft(ClosedForm):
         v = v_by_z * place + v_by_v * velocity
         return {"x": z.real, "y": z.imag, "vx": v.real, "vy": v.imag}
 
-    def derivatives(self, t: Fraction, count: int) -> Derivatives:
-        """The derivatives at t by `count` parameters, from the equation of motion, for complex
-        balls carry none: z'' = -(w0^2 - i n) z - 2 b z' with z = x + i y.
+    def by_equation(self) -> ValidatedFlow:
+        """The same motion from its equation, to the same digits: z'' = -(w0^2 - i n) z - 2 b z'
+        with z = x + i y.
         """
 
         def field(state: Sequence[Any]) -> list[Any]:
@@ -127,7 +126,7 @@ class WhirlingShaft(ClosedForm):
             state=NAMES,
             moved=range(4),
         )
-        return flow.refined(self.digits).derivatives(t, count)
+        return flow.refined(self.digits)
 
     @per_precision
     def growth(self) -> Grows:

@@ -16,8 +16,8 @@ from refdem.truth.certified.writing import row, rows
 from refdem.truth.witnesses import testimony as witnessing
 from refdem.truth.witnesses.testimony import witness_files, witnesses
 
-SHARED = {"truth/balls.py", "truth/exact.py"}
-"""Conversions of exact numbers alone."""
+SHARED = {"truth/balls.py", "truth/dual.py", "truth/exact.py"}
+"""Conversions of exact numbers alone, and those that carry their derivatives."""
 
 
 def set_of(case: str):
