@@ -35,6 +35,7 @@ from refdem.errors import NotCertifiedError
 from refdem.truth.balls import Guarded, arb_of, precision, unit_matrix
 from refdem.truth.contact_motion import ContactMotion, TracedContact
 from refdem.truth.contact_phases import LinearContact
+from refdem.truth.dual import Derivatives, flattened, unflattened
 from refdem.truth.events.phase import Phase
 from refdem.truth.events.truth import EventProof
 from refdem.truth.growth import Stretch, inverted, smooth
@@ -144,6 +145,23 @@ class Collision(Guarded, Truth):
             return self.quantities(self.in_si(relative))
 
         return self.proof.climbed(quantities_at_t, what)
+
+    def derivatives(self, t: Fraction, count: int) -> Derivatives:
+        """The derivatives at t of every quantity by each of `count` parameters, by which the
+        numbers of this truth carry their own derivatives (dual.py).
+
+        Raises NotCertifiedError where the motion is followed from event to event.
+        """
+        formula = self.formula_at(t)
+        if formula is None:
+            raise NotCertifiedError(
+                "derivatives of this truth by its parameters are not certified yet: the contact is"
+                " followed from event to event"
+            )
+        values: Formula = formula
+        what = f"derivatives at t = {float(t):.17g} s"
+        flat = self.refiner.balls(lambda: flattened(values(), count), what)
+        return unflattened(flat, count)
 
     def scalars(self) -> dict[str, Ball]:
         """Values that do not depend on time."""

@@ -333,13 +333,24 @@ def ball(number: arb | int) -> Any:
 
 def atan2(s: arb, t: arb) -> arb:
     """The angle of the point (t, s); its derivative is (t s' - s t')/(s^2 + t^2)."""
-    if not slopes_of(s) and not slopes_of(t):
-        return arb.atan2(s, t)
     a = ball(s)
     b = ball(t)
+    if not slopes_of(s) and not slopes_of(t):
+        return arb.atan2(a, b)
     square = a * a + b * b
-    slopes = combined(b / square, slopes_of(s), -a / square, slopes_of(t))
-    return DualBall(arb.atan2(a, b), slopes)
+    return carried(arb.atan2(a, b), (b / square, s), (-a / square, t))
+
+
+def carried(value: arb, *parts: tuple[arb, arb]) -> arb:
+    """The number `value`, whose derivatives are the sum of those of other numbers, each given as
+    (factor, number); `value` itself where none of them is dual.
+    """
+    slopes: Slopes = ()
+    for factor, number in parts:
+        slopes = combined(1, slopes, factor, slopes_of(number))
+    if not slopes:
+        return value
+    return DualBall(value, slopes)
 
 
 TELLING = frozenset(

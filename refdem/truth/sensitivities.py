@@ -216,9 +216,9 @@ def disagreement(
         rounding = far[quantity].radius + near[quantity].radius + expected.radius
         if abs(expected.mid - near[quantity].mid) > SPARE * (apart + rounding):
             return (
-                f"{quantity} changes by {float(near[quantity]):.6g} for a small change over its"
-                f" size, and the formula at the parameters says {float(expected):.6g}: the motion"
-                " is of another kind on one side, or the formula does not carry it"
+                f"differences of certified values tend to {float(near[quantity]):.6g} for"
+                f" {quantity}, and the formula at the parameters gives {float(expected):.6g}: the"
+                " motion is of another kind on one side, or the formula does not carry the number"
             )
     return None
 

@@ -31,7 +31,15 @@ from flint import arb, arb_mat, ctx
 from refdem.core.truth import Ball, Truth
 from refdem.truth.balls import SPARE, Guarded, UndecidedError, arb_of, ball_of, largest, precision
 from refdem.truth.closed_form import per_precision
-from refdem.truth.dual import Derivatives, DualBall, ball, flattened, slopes_of, unflattened
+from refdem.truth.dual import (
+    Derivatives,
+    DualBall,
+    ball,
+    flattened,
+    parameters,
+    slopes_of,
+    unflattened,
+)
 from refdem.truth.forecast import Course, follow
 from refdem.truth.growth import Growth, Norm, Stretch, smooth
 from refdem.truth.reals import Number
@@ -111,6 +119,21 @@ class TracedReading(Reading):
     def slopes(self, y: Sequence[arb]) -> Mapping[str, Sequence[arb]]:
         rows = np.array(self.rows.run(y), dtype=object).reshape(len(self.names), -1)
         return dict(zip(self.names, rows, strict=True))
+
+
+class DualReading(Reading):
+    """Quantities that are written for balls, and differentiated by dual numbers."""
+
+    def __init__(self, quantities: Callable[[Sequence[arb]], Mapping[str, arb]]) -> None:
+        self.quantities = quantities
+
+    def values(self, y: Sequence[arb]) -> dict[str, arb]:
+        return dict(self.quantities(y))
+
+    def slopes(self, y: Sequence[arb]) -> Mapping[str, Sequence[arb]]:
+        nothing = [arb(0)] * len(y)
+        found = self.quantities(parameters(y))
+        return {name: slopes_of(value) or nothing for name, value in found.items()}
 
 
 class ValidatedFlow(Guarded, Truth):

@@ -5,10 +5,10 @@ the turn q(0)* q(t). Quaternions (w, x, y, z) and the matrix R lead from the bod
 in space axes, omega_body in principal axes.
 """
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from fractions import Fraction
-from functools import cached_property
+from functools import cached_property, partial
 from typing import Any, Protocol
 
 from flint import arb, arb_mat
@@ -23,6 +23,8 @@ from refdem.truth.free_body import Exact3, FreeBody, Kind, Principal, Steady, ki
 from refdem.truth.growth import CLOSED_BITS, Grows
 from refdem.truth.refiner import Refiner, Sensitivity
 from refdem.truth.smooth_flow import Displaceable, pair
+from refdem.truth.validated_flow import DualReading, ValidatedFlow
+from refdem.truth.vectors import cross
 
 AXES = "xyz"
 WITNESS = (
@@ -160,13 +162,42 @@ class FreeRigidBody(ClosedForm):
 
     def evaluate(self, t: arb) -> dict[str, arb]:
         """omega_body, omega = R omega_body, the attitude with w >= 0, and R, at time t."""
-        q = rotation.upright(self.turned(t))
-        omega_body = self.spin(t)
-        r = rotation.matrix(q)
-        omega = rotation.applied(r, omega_body)
-        names = (*BODY_OMEGA, *OMEGA, *ATTITUDE, *MATRIX)
-        values = [*omega_body, *omega, *q, *r[0], *r[1], *r[2]]
-        return dict(zip(names, values, strict=True))
+        return seen([*self.spin(t), *self.turned(t)])
+
+    def by_equation(self) -> ValidatedFlow:
+        """The same motion from Euler's equations and that of the attitude q, to the same digits:
+        J omega' = J omega x omega, q' = q omega/2.
+        """
+        inertia = self.inertia
+
+        def rates(y: Sequence[Any]) -> list[Any]:
+            wx, wy, wz, a, b, c, d = y
+            momentum = [w * j for w, j in zip(y[:3], inertia, strict=True)]
+            gyroscopic = cross(momentum, y[:3])
+            spin_up = [torque / j for torque, j in zip(gyroscopic, inertia, strict=True)]
+            # Hamilton's product (a, b, c, d) (0, omega).
+            turning = [
+                -(b * wx + c * wy + d * wz),
+                a * wx + c * wz - d * wy,
+                a * wy + d * wx - b * wz,
+                a * wz + b * wy - c * wx,
+            ]
+            return [*spin_up, *(rate / 2 for rate in turning)]
+
+        attitude = [partial(self.start_of, part) for part in range(4)]
+        flow = ValidatedFlow(
+            rates,
+            [*self.omega, *attitude],
+            DualReading(seen),
+            self.scale,
+            state=BODY_OMEGA,
+            moved=range(3),
+        )
+        return flow.refined(self.digits)
+
+    def start_of(self, part: int) -> arb:
+        """One of the four parts of the unit attitude at t = 0, at the current precision."""
+        return self.start()[part]
 
     def constants(self) -> dict[str, arb]:
         """The period [s] of omega_body and the elliptic parameter, where there are any; flip_time
@@ -186,6 +217,17 @@ class FreeRigidBody(ClosedForm):
             return steady_growth(diagonal(self.inertia), self.omega, turn, spin, self.turned)
         balls = [arb_of(moment) for moment in self.inertia]
         return tumbling_growth(diagonal(balls), self.body(), turn, spin, self.turned)
+
+
+def seen(y: Sequence[arb]) -> dict[str, arb]:
+    """The quantities of a state: omega_body (3) [rad/s] and the unit attitude (4), of any sign."""
+    omega_body = list(y[:3])
+    q = rotation.upright(y[3:])
+    r = rotation.matrix(q)
+    omega = rotation.applied(r, omega_body)
+    names = (*BODY_OMEGA, *OMEGA, *ATTITUDE, *MATRIX)
+    values = [*omega_body, *omega, *q, *r[0], *r[1], *r[2]]
+    return dict(zip(names, values, strict=True))
 
 
 def truth(p: Parameters, scale: Mapping[str, float]) -> Truth:

@@ -148,8 +148,15 @@ def free(
     """
     names = (*Uniform.state, *ATTITUDE)
     refiner = Refiner.of({name: scale.get(name) or 1.0 for name in names})
-    start = tuple(map(Fraction, (*position, *velocity, *omega)))
-    return Uniform(refiner, start, tuple(map(Fraction, attitude)))
+    start = tuple(exactly(x) for x in (*position, *velocity, *omega))
+    return Uniform(refiner, start, tuple(exactly(x) for x in attitude))
+
+
+def exactly(number: Fraction | int) -> Fraction:
+    """The number as a Fraction; one that is one stays, with the derivatives that it may carry."""
+    if isinstance(number, Fraction):
+        return number
+    return Fraction(number)
 
 
 def resting(bodies: int) -> Truth:

@@ -25,6 +25,7 @@ from refdem.core.parameters import Parameters
 from refdem.core.truth import Truth
 from refdem.truth.balls import UndecidedError, arb_of
 from refdem.truth.closed_form import ClosedForm, displaced_tuple, per_precision
+from refdem.truth.dual import ball, carried
 from refdem.truth.exact import number
 from refdem.truth.growth import Grows, Norm, SteadyGrowth, most, narrow
 from refdem.truth.kepler_growth import CentralGrowth
@@ -263,7 +264,18 @@ def tidal(gm: arb, a: arb, e: arb, t: arb) -> float:
 
 
 def anomaly_gain(mean: arb, c: arb, s: arb) -> arb:
-    """The root E of Kepler's equation F(E) = E - c sin E + s (1 - cos E) = mean, for c^2 + s^2 < 1.
+    """The root E of Kepler's equation F(E) = E - c sin E + s (1 - cos E) = mean, for c^2 + s^2 < 1,
+    with its derivatives where these are dual.
+    """
+    anomaly = proved_root(ball(mean), ball(c), ball(s))
+    sine, cosine = anomaly.sin_cos()
+    slope = _slope(anomaly, ball(c), ball(s))
+    # F(E) = mean gives F' dE = d mean + sin E dc - (1 - cos E) ds.
+    return carried(anomaly, (1 / slope, mean), (sine / slope, c), ((cosine - 1) / slope, s))
+
+
+def proved_root(mean: arb, c: arb, s: arb) -> arb:
+    """The root E of Kepler's equation as a ball.
 
     Theorem (interval Newton): let X be a ball, E0 a point in it and N = E0 - (F(E0) - mean)/F'(X).
     If N lies inside X, then X holds exactly one root, and so does N. Here F' = r/a > 0 everywhere,
@@ -278,9 +290,9 @@ def anomaly_gain(mean: arb, c: arb, s: arb) -> arb:
     residual = point - c * point.sin() + s * (1 - point.cos()) - mean
     # X: four times the length of a Newton step, and a little more where that is 0.
     radius = 4 * abs(residual / _slope(point, c, s)).upper() + arb(2) ** (8 - ctx.prec)
-    ball = point + arb(0, radius)
-    image = point - residual / _slope(ball, c, s)
-    if not ball.contains_interior(image):
+    interval = point + arb(0, radius)
+    image = point - residual / _slope(interval, c, s)
+    if not interval.contains_interior(image):
         raise UndecidedError("Kepler's equation is not solved at this precision")
     return image
 
