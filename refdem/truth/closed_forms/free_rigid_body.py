@@ -184,10 +184,11 @@ class FreeRigidBody(ClosedForm):
             ]
             return [*spin_up, *(rate / 2 for rate in turning)]
 
-        attitude = [partial(self.start_of, part) for part in range(4)]
+        attitude = (partial(self.start_of, part) for part in range(4))
+        start: list[Any] = [*self.omega, *attitude]
         flow = ValidatedFlow(
             rates,
-            [*self.omega, *attitude],
+            start,
             DualReading(seen),
             self.scale,
             state=BODY_OMEGA,
