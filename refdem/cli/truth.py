@@ -146,8 +146,9 @@ def tell_derivatives(
     units = {quantity.name: quantity.unit for quantity in instance.quantities.values()}
     rows = []
     missing: dict[str, str] = {}
+    parameters = instance.case.written_out(instance.p)
     for t in times:
-        found = sensitivities(instance.case.truth, instance.p, t, digits)
+        found = sensitivities(instance.case.truth, parameters, t, digits)
         missing |= found.missing
         for quantity, by_number in found.of.items():
             for number, ball in by_number.items():

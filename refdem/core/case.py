@@ -140,6 +140,13 @@ class Canonical(ABC):
         """
         return p
 
+    def written_out(self, p: Parameters) -> Parameters:
+        """The parameters with each number in them that a choice stands for.
+
+        They are the parameters themselves unless a case has such choices.
+        """
+        return p
+
     def is_chaotic(self, p: Parameters) -> bool | None:
         """True at the parameters `chaotic_at`, False where that is NEVER.
 

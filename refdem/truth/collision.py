@@ -139,29 +139,24 @@ class Collision(Guarded, Truth):
         formula = self.formula_at(t)
         if formula is not None:
             return self.refiner.balls(formula, what)
-
-        def quantities_at_t(motion: ContactMotion) -> dict[str, arb]:
-            relative = motion.place(self.clock(t))
-            return self.quantities(self.in_si(relative))
-
-        return self.proof.climbed(quantities_at_t, what)
+        return self.proof.climbed(lambda motion: self.moved(motion, t), what)
 
     def derivatives(self, t: Fraction, count: int) -> Derivatives:
         """The derivatives at t of every quantity by each of `count` parameters, by which the
         numbers of this truth carry their own derivatives (dual.py).
-
-        Raises NotCertifiedError where the motion is followed from event to event.
         """
+        what = f"derivatives at t = {float(t):.17g} s"
         formula = self.formula_at(t)
         if formula is None:
-            raise NotCertifiedError(
-                "derivatives of this truth by its parameters are not certified yet: the contact is"
-                " followed from event to event"
-            )
+            return self.proof.derivatives(lambda motion: self.moved(motion, t), what, count)
         values: Formula = formula
-        what = f"derivatives at t = {float(t):.17g} s"
         flat = self.refiner.balls(lambda: flattened(values(), count), what)
         return unflattened(flat, count)
+
+    def moved(self, motion: ContactMotion, t: Fraction) -> dict[str, arb]:
+        """Every quantity of a motion at the time t [s]."""
+        relative = motion.place(self.clock(t))
+        return self.quantities(self.in_si(relative))
 
     def scalars(self) -> dict[str, Ball]:
         """Values that do not depend on time."""
@@ -193,9 +188,11 @@ class Collision(Guarded, Truth):
         """The motion at a precision, as far as it has been followed."""
         return self.proof.motion(bits)
 
-    def motion_at(self, bits: int) -> ContactMotion:
-        """The motion, to be followed at a precision."""
-        return ContactMotion(self.traced(), bits)
+    def motion_at(self, bits: int, parameters: int = 0) -> ContactMotion:
+        """The motion, to be followed at a precision; with a number of parameters as coordinates
+        (events/directed.py).
+        """
+        return ContactMotion(self.traced(), bits, parameters)
 
     def traced(self) -> TracedContact:
         """The phases of the contact as programs."""

@@ -8,7 +8,7 @@ from flint import arb
 
 from refdem.truth.balls import arb_of
 from refdem.truth.power_contact import root as solved
-from refdem.truth.reals import Number, Real, logarithm, pi, root
+from refdem.truth.reals import Number, Real, is_zero, logarithm, pi, root
 
 LEAST_SLOPE = Fraction(2, 3)
 """The least derivative by z of h(z) = 2 - 2 sqrt(z) cot sqrt(z), for 0 <= z < pi^2: all
@@ -36,9 +36,10 @@ def dashpot(
     """
     # D = ln(1/e), and c = 2 cos(alpha) sqrt(m k).
     decay = -logarithm(restitution)
-    if not decay:
+    if is_zero(decay):
         return Fraction(0)
-    if ends_with_overlap:
+    # Where both begin, at e = 1, they have the same derivative.
+    if ends_with_overlap or restitution == 1:
         return 2 * decay * root(mass * stiffness / (pi() ** 2 + decay**2))
     if not decay < 2:
         raise ValueError(f"restitution {restitution} is not above exp(-2)")

@@ -11,12 +11,13 @@ from flint import arb, arb_mat
 from refdem.truth.balls import arb_of, precision, unit_matrix
 from refdem.truth.contact_phases import LinearContact, PlanarPhases
 from refdem.truth.events.crossing import Along, SwitchError, Watched, first_crossing, sign
+from refdem.truth.events.directed import directed_programs, directed_start, dual_state, inner
 from refdem.truth.events.motion import Followed, first_entry
 from refdem.truth.events.phase import Phase
-from refdem.truth.events.system import Traced, along, lie_derivatives
+from refdem.truth.events.system import TracedModes, along, lie_derivatives
 from refdem.truth.growth import inverted
 from refdem.truth.traced_field import Program, traced
-from refdem.truth.validated_ivp.integration import GUARD, Piece
+from refdem.truth.validated_ivp.integration import GUARD, Piece, Steps
 
 LONGEST = 128
 """The longest contact that is followed in any case, in the phases' unit of time, which is at most
@@ -30,10 +31,8 @@ PRESSES = ("press", "slip", "slip back", "stick", "hold")
 """The modes in which the normal force presses."""
 
 
-HIGHEST = 2
-"""The highest derivative of a guard: those of a contact vanish at an entry to the second order at
-most.
-"""
+RATES = partial(lie_derivatives, highest=2)
+"""The derivatives of a guard: those of a contact vanish at an entry to the second order at most."""
 
 
 class TracedContact:
@@ -48,10 +47,7 @@ class TracedContact:
     def __init__(self, phases: LinearContact) -> None:
         self.phases = phases
         modes = phases.modes()
-        self.modes = {
-            name: Traced(mode, phases.size, partial(lie_derivatives, highest=HIGHEST))
-            for name, mode in modes.items()
-        }
+        self.modes = TracedModes(modes, phases.size, RATES)
         self.places = {
             False: traced_map(partial(phases.place, "contact"), phases.size),
             True: traced_map(partial(phases.place, "apart"), phases.size),
@@ -104,14 +100,27 @@ def rates(
 
 
 class ContactMotion(Followed):
-    """The motion of two spheres through a contact, with its end, its largest overlap and force."""
+    """The motion of two spheres through a contact, with its end, its largest overlap and force.
 
-    def __init__(self, traced_contact: TracedContact, bits: int) -> None:
+    A number of `parameters` are coordinates of its modes (events/directed.py).
+    """
+
+    def __init__(self, traced_contact: TracedContact, bits: int, parameters: int = 0) -> None:
         self.traced = traced_contact
+        self.parameters = parameters
+        phases = traced_contact.phases
         with precision(bits):
-            start = [value() for value in traced_contact.phases.start()]
-            entry = first_entry(traced_contact.phases.first, start)
-            self.begin(traced_contact.modes, start, entry, bits, None)
+            start = directed_start(self.start(), parameters)
+            entry = first_entry(lambda y: phases.first(inner(y, parameters)), start)
+            if not parameters:
+                self.begin(traced_contact.modes, start, entry, bits, None)
+                return
+            modes = directed_programs(phases.modes(), phases.size, RATES, parameters)
+            self.begin(modes, start, entry, bits, Steps(jacobian_bits=bits))
+
+    def start(self) -> list[arb]:
+        """Balls of the state at touch."""
+        return [value() for value in self.traced.phases.start()]
 
     def name(self, phase: Phase) -> str:
         """The name of the mode that a phase is in."""
@@ -120,7 +129,10 @@ class ContactMotion(Followed):
     def place(self, t: arb) -> list[arb]:
         """x, y, vx, vy, o1, o2, s, clock at the time t."""
         phase = self.phase(t)
-        state = self.at(t)
+        if self.parameters:
+            state = dual_state(self, t, self.start(), self.parameters)
+        else:
+            state = self.at(t)
         with precision(self.bits + GUARD):
             return self.traced.place(self.name(phase), state)
 

@@ -478,14 +478,16 @@ class ContactPhases(PlanarPhases):
         """
         pair = self.spheres
 
-        def component(wave: Callable[[arb], arb], sign_of_wave: int) -> Callable[[], arb]:
-            return lambda: (
-                sign_of_wave * arb_of(pair.closing_speed / self.speed) * wave(arb_of(pair.angle))
-            )
+        def speed() -> arb:
+            return arb_of(pair.closing_speed / self.speed)
+
+        def closing() -> arb:
+            return speed() * arb_of(pair.angle).cos()
+
+        def tangential() -> arb:
+            return -speed() * arb_of(pair.angle).sin()
 
         zero = partial(arb_of, 0)
-        closing = component(arb.cos, 1)
-        tangential = component(arb.sin, -1)
         # o_i = R_i omega_i/V, of the spins about z.
         surface_speeds = [pair.radii[i] * pair.spins[3 * i + 2] / self.speed for i in (0, 1)]
         spins = [partial(arb_of, speed) for speed in surface_speeds]

@@ -120,6 +120,11 @@ def plain(value: Fraction | int) -> Fraction:
     return Fraction(value.numerator, value.denominator)
 
 
+def stays_zero(value: Fraction | int) -> bool:
+    """True if an exact number is 0 and has no derivative: it is 0 beside the parameters too."""
+    return value == 0 and not any(slopes_of(value))
+
+
 def rational_root(square: Fraction) -> Fraction | None:
     """The root sqrt(square) of an exact number >= 0 if it is rational, with its derivatives
     q'/(2 sqrt q); None if it is not, and for a dual 0, where the root has no derivative.

@@ -7,12 +7,12 @@ mass with pi in it) is enclosed anew, and better, each time the precision rises.
 
 from collections.abc import Callable
 from fractions import Fraction
-from typing import Any, Union
+from typing import Any, TypeGuard, Union
 
 from flint import arb, ctx
 
 from refdem.truth.balls import Enclosed, UndecidedError, arb_of, precision
-from refdem.truth.dual import rational_root
+from refdem.truth.dual import ball, plain, rational_root, slopes_of, stays_zero
 
 Number = Union[Fraction, "Real"]
 """What a truth takes for a parameter: an exact rational, or a number that follows from exact ones.
@@ -74,6 +74,22 @@ class Real(Enclosed):
                 break
         mantissa, exponent = ball.mid().man_exp()
         return Fraction(int(mantissa)) * Fraction(2) ** int(exponent)
+
+    def with_derivatives(self) -> "tuple[Real, tuple[Number, ...]]":
+        """The number without its derivatives (dual.py), and these, () where it carries none."""
+
+        def slope(k: int) -> Number:
+            if self.ball_of_slope(k) == 0:
+                return Fraction(0)
+            return Real(lambda: self.ball_of_slope(k))
+
+        count = len(slopes_of(self.ball()))
+        return Real(lambda: ball(self.ball())), tuple(slope(k) for k in range(count))
+
+    def ball_of_slope(self, k: int) -> arb:
+        """A ball of the derivative by the parameter k."""
+        slope: arb = slopes_of(self.ball())[k]
+        return slope
 
     def __float__(self) -> float:
         return float(self.near())
@@ -223,7 +239,7 @@ def signed_root(square: Fraction, side: int) -> Root:
     return number
 
 
-def is_number(value: object) -> bool:
+def is_number(value: object) -> TypeGuard[int | Number]:
     """True if the value is exact: a whole number, a Fraction or a Real; neither a truth value nor
     anything rounded is.
     """
@@ -231,8 +247,8 @@ def is_number(value: object) -> bool:
 
 
 def is_zero(value: object) -> bool:
-    """True if the value is the rational 0, for certain and without a proof."""
-    return not isinstance(value, Real) and value == 0
+    """True if the value is the rational 0 without derivatives, for certain and without a proof."""
+    return isinstance(value, int | Fraction) and stays_zero(value)
 
 
 def near(value: Number) -> Fraction:
@@ -241,7 +257,14 @@ def near(value: Number) -> Fraction:
     """
     if isinstance(value, Real):
         return value.near()
-    return value
+    return plain(value)
+
+
+def with_derivatives(value: Number) -> tuple[Number, tuple[Number, ...]]:
+    """A number without its derivatives, and these, () where it carries none."""
+    if isinstance(value, Real):
+        return value.with_derivatives()
+    return plain(value), slopes_of(value)
 
 
 def pi() -> Real:
@@ -261,9 +284,9 @@ def root(value: Number) -> Number:
 
 def sine(angle: Fraction) -> Number:
     """sin(angle) of a rational angle [rad]; exactly 0 at 0, and nowhere else."""
-    if angle:
-        return Real(lambda: arb_of(angle).sin())
-    return Fraction(0)
+    if stays_zero(angle):
+        return Fraction(0)
+    return Real(lambda: arb_of(angle).sin())
 
 
 def cosine(angle: Fraction) -> Number:
@@ -275,6 +298,6 @@ def cosine(angle: Fraction) -> Number:
 
 def logarithm(value: Fraction) -> Number:
     """ln(value), value > 0; exactly 0 at 1, and nowhere else."""
-    if value != 1:
-        return Real(lambda: arb_of(value).log())
-    return Fraction(0)
+    if stays_zero(value - 1):
+        return Fraction(0)
+    return Real(lambda: arb_of(value).log())

@@ -18,7 +18,7 @@ from typing import Protocol, Self, runtime_checkable
 
 from refdem.core.parameters import Exact, Parameters
 from refdem.core.truth import Ball, Truth
-from refdem.errors import NotCertifiedError
+from refdem.errors import NotCertifiedError, RefdemError
 from refdem.truth.dual import Derivatives, ExactDual
 
 NO_NUMBERS = frozenset({"duration", "samples"})
@@ -237,7 +237,7 @@ def quotients(
     for place in (distance, -distance, Fraction(0)):
         try:
             balls = make(direction.moved(p, place)).refined(DIGITS).at(t)
-        except (NotCertifiedError, ValueError, ArithmeticError):
+        except (RefdemError, ValueError, ArithmeticError):
             continue
         sides.append((place, balls))
         if len(sides) == 2:

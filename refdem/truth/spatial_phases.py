@@ -65,15 +65,21 @@ class SpatialPhases(LinearContact):
         pair = self.spheres
         zero = partial(arb_of, 0)
 
-        def component(wave: Callable[[arb], arb]) -> Callable[[], arb]:
-            return lambda: arb_of(pair.closing_speed / self.speed) * wave(arb_of(pair.angle))
+        def speed() -> arb:
+            return arb_of(pair.closing_speed / self.speed)
+
+        def normal_part() -> arb:
+            return speed() * arb_of(pair.angle).cos()
+
+        def tangential_part() -> arb:
+            return speed() * arb_of(pair.angle).sin()
 
         spins = [
             partial(arb_of, pair.radii[k // 3] * spin / self.speed)
             for k, spin in enumerate(pair.spins)
         ]
         position: list[Callable[[], arb]] = [partial(arb_of, -1 / self.eps), zero, zero]
-        velocity: list[Callable[[], arb]] = [component(arb.cos), component(arb.sin), zero]
+        velocity: list[Callable[[], arb]] = [normal_part, tangential_part, zero]
         spring_and_clock: list[Callable[[], arb]] = [zero] * (self.size - 12)
         return [*position, *velocity, *spins, *spring_and_clock]
 

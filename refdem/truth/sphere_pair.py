@@ -14,6 +14,7 @@ from flint import arb
 
 from refdem.core.parameters import Exact
 from refdem.truth.balls import arb_of
+from refdem.truth.dual import stays_zero
 from refdem.truth.exact import number, vector
 from refdem.truth.reals import Number, near
 
@@ -107,9 +108,19 @@ class SpherePair(TouchingPair):
         """
         # The levers shorten with the overlap d by beta d: so does the slip, by beta d (omega1 +
         # omega2) across the normal.
+        return self.angle == 0 and (self.friction == 0 or not any(self.slips))
+
+    @property
+    def stays_head_on(self) -> bool:
+        """True if it does beside the parameters too (dual.py)."""
+        never_slips = all(map(stays_zero, self.slips))
+        return stays_zero(self.angle) and (stays_zero(self.friction) or never_slips)
+
+    @property
+    def slips(self) -> list[Fraction]:
+        """The parts of the slip of a head-on contact, at touch and by its overlap."""
         by_overlap = [self.lever * (self.spins[axis] + self.spins[3 + axis]) for axis in (1, 2)]
-        slips = any([*self.surface_spin[1:], *by_overlap])
-        return self.angle == 0 and (self.friction == 0 or not slips)
+        return [*self.surface_spin[1:], *by_overlap]
 
     @property
     def leaves_plane(self) -> bool:

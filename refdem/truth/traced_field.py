@@ -15,8 +15,8 @@ from typing import Any
 from flint import acb, arb, ctx
 
 from refdem.truth.balls import UndecidedError, arb_of
-from refdem.truth.dual import ExactDual, plain, slopes_of
-from refdem.truth.reals import Number, is_number
+from refdem.truth.dual import slopes_of
+from refdem.truth.reals import Number, is_number, with_derivatives
 
 Operation = tuple[Any, ...]
 """The kind of an operation and its operands: ("in", i) for input i, ("constant", c), ("scale", c,
@@ -24,18 +24,21 @@ a) for c times a, (+ * /, a, b) or (sin cos exp sqrt, a); a and b are the number
 operations.
 """
 
+NONE = range(0)
+"""The directions of a trace without parameters."""
+
 
 @dataclass
 class Trace:
     """Operations in the order in which they were written, each kept once.
 
     `known` has the number of each operation, `slopes` the derivative of an operation (by number) by
-    an input. The last `directions` of the `inputs` stand for the parameters that dual numbers
-    (dual.py) depend on: they are 1, and the derivative by one is that by its parameter.
+    an input. The inputs `directions` stand for the parameters that dual numbers (dual.py) depend
+    on: they are 1, and the derivative by one is that by its parameter.
     """
 
     inputs: int = 0
-    directions: int = 0
+    directions: range = NONE
     operations: list[Operation] = field(default_factory=list)
     known: dict[Operation, int] = field(default_factory=dict)
     slopes: dict[tuple[int, int], "Node"] = field(default_factory=dict)
@@ -62,14 +65,13 @@ class Trace:
             )
         if isinstance(value, int):
             value = Fraction(value)
-        slopes = slopes_of(value)
-        if not isinstance(value, ExactDual) or not self.directions:
+        if not self.directions:
             return self.node("constant", value)
+        exact, slopes = with_derivatives(value)
         # c + sum c_k (d_k - 1), where every direction d_k is 1.
-        total = self.node("constant", plain(value) - sum(slopes))
-        for k, slope_of_one in enumerate(slopes):
-            direction = self.node("in", self.inputs - self.directions + k)
-            total = total + direction * slope_of_one
+        total = self.node("constant", exact - sum(slopes))
+        for place, slope_of_one in zip(self.directions, slopes, strict=False):
+            total = total + self.node("in", place) * slope_of_one
         return total
 
 
@@ -183,10 +185,10 @@ coordinate with derivative 1.
 
 
 def traced(
-    function: Field, inputs: int, directions: int = 0
+    function: Field, inputs: int, directions: range = NONE
 ) -> tuple[list[Node], list[list[Node]]]:
     """The outputs of a function of `inputs` numbers, and the rows of its Jacobian, as nodes of one
-    trace; the last `directions` of the inputs stand for parameters (Trace).
+    trace; the inputs `directions` stand for parameters (Trace).
     """
     trace = Trace(inputs, directions)
     arguments = [trace.node("in", i) for i in range(inputs)]

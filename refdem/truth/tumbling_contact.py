@@ -18,7 +18,7 @@ from flint import arb
 
 from refdem.truth.events.system import Entry, Guard, Mode, State, along
 from refdem.truth.reals import root
-from refdem.truth.traced_field import Field, Node, Program, Trace
+from refdem.truth.traced_field import NONE, Field, Node, Program, Trace
 from refdem.truth.vectors import Vector, cross, dot
 
 PRESSES = "p"
@@ -239,12 +239,12 @@ def rotation(q: Vector) -> list[list[Any]]:
     return [first, second, third]
 
 
-def lean_rates(guard: Guard, mode: Mode, size: int) -> list[Program]:
+def lean_rates(guard: Guard, mode: Mode, size: int, directions: range = NONE) -> list[Program]:
     """Programs of a guard's value and of its first rate, with only the operations that each needs.
 
     All zeros of these guards are simple: no higher rate is asked for.
     """
-    trace = Trace()
+    trace = Trace(size, directions)
     y = [trace.node("in", i) for i in range(size)]
     value = guard.value(y)
     rates = [trace.constant(rate) for rate in mode.field(y)]

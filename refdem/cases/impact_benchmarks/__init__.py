@@ -86,6 +86,10 @@ class ImpactBenchmarks(Case):
         """The member's own exact numbers; a witness derives from them, by itself, all others."""
         return {"member": p["member"], **member(p.member).written(p)}
 
+    def written_out(self, p: Parameters) -> Parameters:
+        """The parameters with the member's own numbers."""
+        return member(p.member).written_out(p)
+
     def truth(self, p: Parameters) -> Truth:
         """The member's: closed form, or proven from switch to switch."""
         scale = {q.name: q.scale for q in self.quantities(p)}

@@ -73,6 +73,15 @@ class Member(ABC):
             numbers |= zip(("modulus", "poisson", "density"), properties, strict=True)
         return numbers
 
+    def written_out(self, p: Parameters) -> Parameters:
+        """The parameters with the member's own numbers in place of those that are not given."""
+        written = self.written(p)
+        own = {}
+        for name in self.numbers:
+            if name not in CHOSEN and p[name] in CHOICE_OF_MEMBER:
+                own[name] = written[name]
+        return p.replaced(own)
+
     def values(self, p: Parameters) -> Values:
         """The numbers of `written`, and those that follow from them: the `mass` of the sphere.
 

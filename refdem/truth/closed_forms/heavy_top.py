@@ -31,6 +31,7 @@ from refdem.core.parameters import Parameters
 from refdem.core.truth import Truth
 from refdem.errors import NotCertifiedError
 from refdem.truth.balls import UndecidedError, arb_of, precision
+from refdem.truth.dual import atan2
 from refdem.truth.exact import numbers, vector
 from refdem.truth.refiner import FIRST_BITS, Size
 from refdem.truth.traced_field import Field
@@ -278,10 +279,10 @@ class AxisReading(Reading):
     def values(self, y: Sequence[arb]) -> dict[str, arb]:
         nx, ny, nz, lx, ly, _, psi_with_phi = y
         sine = (nx * nx + ny * ny).sqrt()
-        phi = arb.atan2(nx, -ny)
+        phi = atan2(nx, -ny)
         thetadot = (ly * nx - lx * ny) / (arb_of(self.j1) * sine)
         angles = {
-            "theta": arb.atan2(sine, nz),
+            "theta": atan2(sine, nz),
             "phi": phi,
             "psi": psi_with_phi - self.side * phi,
             "thetadot": thetadot,

@@ -80,7 +80,7 @@ class TwoSpheres(Collision):
         return self.spheres.effective_mass
 
     def formula_at(self, t: Fraction) -> Formula | None:
-        if self.spheres.is_head_on or t == 0:
+        if self.spheres.stays_head_on or t == 0:
             return lambda: self.evaluate(arb_of(t))
         return None
 

@@ -16,10 +16,10 @@ from flint import arb, arb_mat
 
 from refdem.truth.balls import arb_of, ball_of, precision, unit_matrix
 from refdem.truth.events.crossing import Along, SwitchError, Watched, earliest, only_zero
-from refdem.truth.events.system import Entry, Guard, Traced, derivative_rows, unchanged
+from refdem.truth.events.system import Entry, Guard, Traced, unchanged
 from refdem.truth.traced_field import Program, traced
 from refdem.truth.validated_ivp.integration import GUARD, Chain, Piece, Steps
-from refdem.truth.validated_ivp.moved import Spread, moved
+from refdem.truth.validated_ivp.moved import BITS, Spread, moved
 
 RETRIES = 4
 """Tries of a window whose end lies too near a zero: each is a little shorter."""
@@ -56,6 +56,9 @@ class Phase(Chain):
         self.touching = dict(entry.touching)
         self.field = mode.field
         self.slopes = mode.slopes
+        if mode.directions:
+            # The parameters, and the clock after them.
+            self.steady = len(mode.directions) + 1
         self.centre = list(centre)
         self.spread = spread
         self.begin()
@@ -181,15 +184,16 @@ class Phase(Chain):
                 )
             on_section = self.section(guard, states, rate) * self.moved_by(piece, since)
             reset = then.reset or unchanged
-            reset_jacobian = arb_mat(size, size, derivative_rows(reset, size).run(states))
+            reset_jacobian = arb_mat(size, size, self.mode.derivative_rows(reset).run(states))
             self.exit = reset_jacobian * on_section
             # The image of the exact centre, at its own crossing.
             centre_since = self.centre_time(piece, guard, since)
-            outputs, _ = traced(reset, size)
+            outputs, _ = traced(reset, size, self.mode.directions)
             image = Program(outputs).run(piece.centre(centre_since))
         centre = [value.mid() for value in image]
         rounding = [value.rad() for value in image]
-        return centre, moved(piece.spread, self.exit, rounding)
+        bits = max(BITS, self.steps.jacobian_bits)
+        return centre, moved(piece.spread, self.exit, rounding, bits)
 
     def crossing(self) -> tuple[Guard, Piece, arb, list[arb]]:
         """The event that ends the phase: guard, piece, a ball of the times since the piece's begin

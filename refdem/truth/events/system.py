@@ -13,7 +13,7 @@ from typing import Any
 
 from flint import arb
 
-from refdem.truth.traced_field import Field, Node, Program, slope, traced
+from refdem.truth.traced_field import NONE, Field, Node, Program, slope, traced
 
 State = Sequence[arb]
 
@@ -72,17 +72,21 @@ class Traced:
     """A mode as programs: the field and its Jacobian; each guard with its derivatives in time, and
     its gradient.
 
-    `size` is the number of coordinates of the state, the clock included; `rates` makes the programs
-    of a guard's derivatives in time (by default `lie_derivatives`). ValueError for a field of
-    another size, or whose last rate is not the clock's 1.
+    `size` is the number of coordinates of the state, the clock included; the last `parameters` of
+    them before the clock stand for parameters (directed.py). `rates` makes the programs of a
+    guard's derivatives in time (by default `lie_derivatives`). ValueError for a field of another
+    size, or whose last rate is not the clock's 1.
     """
 
-    def __init__(self, mode: Mode, size: int, rates: "GuardRates | None" = None) -> None:
+    def __init__(
+        self, mode: Mode, size: int, rates: "GuardRates | None" = None, parameters: int = 0
+    ) -> None:
         self.mode = mode
         self.size = size
+        self.directions = range(size - 1 - parameters, size - 1)
         rates_of = rates or lie_derivatives
         # The rates of all coordinates, and the rows of the Jacobian of the field.
-        outputs, rows = traced(mode.field, size)
+        outputs, rows = traced(mode.field, size, self.directions)
         # The last coordinate is the clock, whose rate is 1.
         if len(outputs) != size or outputs[-1].exact() != 1:
             raise ValueError(
@@ -94,30 +98,36 @@ class Traced:
         self.rates = {}
         self.gradients = {}
         for guard in mode.guards:
-            self.rates[guard.name] = rates_of(guard, mode, size)
-            self.gradients[guard.name] = derivative_rows(self._single(guard), size)
+            self.rates[guard.name] = rates_of(guard, mode, size, self.directions)
+            self.gradients[guard.name] = self.derivative_rows(self._single(guard))
 
     def guard(self, name: str) -> Guard:
         """The guard that has the given name."""
         return next(guard for guard in self.mode.guards if guard.name == name)
+
+    def derivative_rows(self, function: Field) -> Program:
+        """The Jacobian of a function of the state."""
+        return derivative_rows(function, self.size, self.directions)
 
     @staticmethod
     def _single(guard: Guard) -> Field:
         return lambda y: [guard.value(y)]
 
 
-GuardRates = Callable[[Guard, Mode, int], list[Program]]
+GuardRates = Callable[[Guard, Mode, int, range], list[Program]]
 """Programs of a guard's value and its first derivatives in time, in a mode whose states are of that
-size.
+size, some of whose coordinates stand for parameters.
 """
 
 
-def lie_derivatives(guard: Guard, mode: Mode, size: int, highest: int = 4) -> list[Program]:
+def lie_derivatives(
+    guard: Guard, mode: Mode, size: int, directions: range = NONE, highest: int = 4
+) -> list[Program]:
     """Programs of the guard's value g and its derivatives in time up to the order `highest`.
 
     Along a field f they are the Lie derivatives: g^(0) = g, g^(n+1) = grad g^(n) . f.
     """
-    nodes, _ = traced(lambda y: [guard.value(y), *mode.field(y)], size)
+    nodes, _ = traced(lambda y: [guard.value(y), *mode.field(y)], size, directions)
     value, *rates = nodes
     derivatives = [value]
     for _ in range(highest):
@@ -128,14 +138,17 @@ def lie_derivatives(guard: Guard, mode: Mode, size: int, highest: int = 4) -> li
 class TracedModes(dict[str, Traced]):
     """Modes as programs, each traced when it is entered."""
 
-    def __init__(self, modes: Mapping[str, Mode], size: int, rates: GuardRates) -> None:
+    def __init__(
+        self, modes: Mapping[str, Mode], size: int, rates: GuardRates, parameters: int = 0
+    ) -> None:
         super().__init__()
         self.modes = modes
         self.size = size
         self.rates = rates
+        self.parameters = parameters
 
     def __missing__(self, name: str) -> Traced:
-        self[name] = Traced(self.modes[name], self.size, self.rates)
+        self[name] = Traced(self.modes[name], self.size, self.rates, self.parameters)
         return self[name]
 
 
@@ -152,7 +165,7 @@ def unchanged(y: Sequence[Any]) -> list[Any]:
     return list(y)
 
 
-def derivative_rows(function: Field, size: int) -> Program:
+def derivative_rows(function: Field, size: int, directions: range = NONE) -> Program:
     """The Jacobian of a function of `size` numbers, rows one after another."""
-    _, rows = traced(function, size)
+    _, rows = traced(function, size, directions)
     return Program([entry for row in rows for entry in row])

@@ -32,7 +32,9 @@ from refdem.core.truth import Ball, Truth
 from refdem.errors import NotCertifiedError
 from refdem.truth.balls import Guarded, UndecidedError, arb_of, ball_of, precision
 from refdem.truth.closed_form import per_precision
+from refdem.truth.dual import Derivatives, flattened, unflattened
 from refdem.truth.events.crossing import SwitchError
+from refdem.truth.events.directed import directed_programs, directed_start, dual_state, inner
 from refdem.truth.events.following import Following
 from refdem.truth.events.motion import Followed, HybridMotion, at_fixed_time, first_entry
 from refdem.truth.events.phase import Phase
@@ -40,16 +42,15 @@ from refdem.truth.events.system import (
     Entry,
     Mode,
     State,
-    Traced,
     TracedModes,
-    derivative_rows,
+    lie_derivatives,
     unchanged,
 )
 from refdem.truth.forecast import Course, follow
 from refdem.truth.growth import Fundamental, Grows, Growth, Norm, Retimed, Stretch, smooth
 from refdem.truth.refiner import Refiner
 from refdem.truth.validated_flow import AHEAD, Quantities, TracedReading, balls_of
-from refdem.truth.validated_ivp.integration import GUARD, Piece
+from refdem.truth.validated_ivp.integration import GUARD, Piece, Steps
 
 LADDER = (192, 256, 384, 512, 768, 1024, 1536)
 """Working precisions [bit], tried one after another until the radius is met; a motion that asks for
@@ -74,8 +75,10 @@ class Switching(Protocol[Motion]):
     def clock_unit(self) -> Fraction | None:
         """Seconds in a unit of the clock of its motions; None where they are given in seconds."""
 
-    def motion_at(self, bits: int) -> Motion:
-        """The motion, to be followed at a precision."""
+    def motion_at(self, bits: int, parameters: int = 0) -> Motion:
+        """The motion, to be followed at a precision; with a number of parameters as coordinates
+        (directed.py).
+        """
 
     def last_state(self, state: Sequence[arb]) -> tuple[dict[str, arb], float]:
         """The quantities and the time [s] of a state with which a motion ended."""
@@ -110,26 +113,43 @@ class EventProof(Guarded, Generic[Motion]):
     """The refiner and the sensitivity of a motion through events: it proves values, and S(t).
 
     The motion of `system` is followed anew at each precision of the ladder, until the radii that
-    `refiner` asks for are met. `label` begins every message; `kept` has motions and bounds.
+    `refiner` asks for are met. `label` begins every message; `parameters` is the number of
+    parameters that are coordinates of the motion; `kept` has motions and bounds.
     """
 
     system: Switching[Motion]
     refiner: Refiner
     label: str = ""
+    parameters: int = 0
     kept: dict[Any, Any] = field(default_factory=dict, init=False, compare=False, repr=False)
 
     def to(self, digits: int) -> Self:
         """The same proof for other digits; the motions that were followed serve both."""
-        other = replace(self, refiner=self.refiner.to(digits))
+        return self.sharing(refiner=self.refiner.to(digits))
+
+    def sharing(self, **changes: Any) -> Self:
+        """The proof with changes, with the same motions."""
+        other = replace(self, **changes)
         vars(other)["kept"] = self.kept
         return other
 
     def motion(self, bits: int) -> Motion:
         """The motion at a precision, as far as it has been followed."""
-        if ("motion", bits) not in self.kept:
-            self.kept["motion", bits] = self.system.motion_at(bits)
-        motion: Motion = self.kept["motion", bits]
+        key = ("motion", bits, self.parameters)
+        if key not in self.kept:
+            self.kept[key] = self.system.motion_at(bits, self.parameters)
+        motion: Motion = self.kept[key]
         return motion
+
+    def derivatives(
+        self, evaluate: Callable[[Motion], dict[str, arb]], what: str, count: int
+    ) -> Derivatives:
+        """The derivatives by `count` parameters that the quantities of a motion carry, those that
+        `evaluate` gives.
+        """
+        proof = self.sharing(parameters=count)
+        flat = proof.climbed(lambda motion: flattened(evaluate(motion), count), what)
+        return unflattened(flat, count)
 
     def climbed(self, evaluate: Callable[[Any], dict[str, arb]], what: str) -> dict[str, Ball]:
         """The balls that `evaluate` gives of the motion, at the lowest precision at which all radii
@@ -226,7 +246,7 @@ class EventProof(Guarded, Generic[Motion]):
         message = f"{self.label}{what}: {error.code}: {error}"
         if not error.state:
             return NotCertifiedError(message, code=error.code)
-        values, time = self.system.last_state(error.state)
+        values, time = self.system.last_state(inner(error.state, self.parameters))
         state = {name: ball_of(value) for name, value in values.items()}
         message = f"{message}; certified up to t = {time:.17g} s"
         return NotCertifiedError(message, code=error.code, time=time, state=state)
@@ -337,7 +357,7 @@ class EventProof(Guarded, Generic[Motion]):
             if after is None:
                 return self.system.chart(motion, phase, states) * self.system.beside(on_section)
             reset = guard.then(states).reset or unchanged
-            reset_jacobian = arb_mat(size, size, derivative_rows(reset, size).run(states))
+            reset_jacobian = arb_mat(size, size, phase.mode.derivative_rows(reset).run(states))
             jump = reset_jacobian * on_section
             inner = at_fixed_time(after, after.entered) * jump
             chart = self.system.chart(motion, after, after.entered)
@@ -376,9 +396,11 @@ class HybridFlow(Guarded, Truth):
     extremes: "Callable[[HybridFlow], dict[str, Ball]]" = lambda flow: {}
 
     @cached_property
-    def programs(self) -> Mapping[str, Traced]:
-        """The modes as programs, by name."""
-        return traced_modes(self.modes, len(self.begin))
+    def programs(self) -> TracedModes:
+        """The modes as programs, by name; those that are traced already stay what they are."""
+        if isinstance(self.modes, TracedModes):
+            return self.modes
+        return TracedModes(self.modes, len(self.begin), lie_derivatives)
 
     @cached_property
     def reading(self) -> TracedReading:
@@ -413,6 +435,19 @@ class HybridFlow(Guarded, Truth):
         zeros = {name: Ball(Fraction(0), Fraction(0)) for name in self.still}
         return zeros | values
 
+    def derivatives(self, t: Fraction, count: int) -> Derivatives:
+        """The derivatives at t of every quantity by each of `count` parameters, by which the
+        numbers of this truth carry their own derivatives (directed.py).
+        """
+
+        def quantities_at_t(motion: HybridMotion) -> dict[str, arb]:
+            return self.named(dual_state(motion, arb_of(t), balls_of(self.begin), count))
+
+        what = f"derivatives at t = {float(t):.17g} s"
+        derivatives = self.proof.derivatives(quantities_at_t, what, count)
+        zero = Ball(Fraction(0), Fraction(0))
+        return dict.fromkeys(self.still, (zero,) * count) | derivatives
+
     def scalars(self) -> dict[str, Ball]:
         """Values that do not depend on time."""
         return self.extremes(self)
@@ -429,11 +464,18 @@ class HybridFlow(Guarded, Truth):
         """The motion at a precision, as far as it has been followed."""
         return self.proof.motion(bits)
 
-    def motion_at(self, bits: int) -> HybridMotion:
-        """The motion, to be followed at a precision."""
+    def motion_at(self, bits: int, parameters: int = 0) -> HybridMotion:
+        """The motion, to be followed at a precision; with a number of parameters as coordinates
+        (directed.py).
+        """
         with precision(bits):
-            start = balls_of(self.begin)
-            return HybridMotion(self.programs, start, first_entry(self.first, start), bits)
+            start = directed_start(balls_of(self.begin), parameters)
+            entry = first_entry(lambda y: self.first(inner(y, parameters)), start)
+            if not parameters:
+                return HybridMotion(self.programs, start, entry, bits)
+            programs = self.programs
+            modes = directed_programs(programs.modes, programs.size, programs.rates, parameters)
+            return HybridMotion(modes, start, entry, bits, Steps(jacobian_bits=bits))
 
     def displaced(self, axis: int, amount: Fraction) -> Self:
         """Raises NotCertifiedError: S comes from the variational equation, with the jump matrices,
@@ -513,10 +555,3 @@ class HybridFlow(Guarded, Truth):
             scale = arb_of(self.scale[name])
             rows.append([row[j] * scale_of_state / scale for j, scale_of_state in moved])
         return arb_mat(rows)
-
-
-def traced_modes(modes: Mapping[str, Mode] | TracedModes, size: int) -> Mapping[str, Traced]:
-    """Modes as programs; those that are traced when they are entered stay what they are."""
-    if isinstance(modes, TracedModes):
-        return modes
-    return {name: Traced(mode, size) for name, mode in modes.items()}

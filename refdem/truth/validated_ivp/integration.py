@@ -119,7 +119,7 @@ class Chain(Guarded):
     """Pieces of a solution one after another, each made when it is asked for.
 
     `field` and `slopes` are the programs of f and of its Jacobian; the set at the end of the last
-    piece is `centre` + `spread`. The last `directions` coordinates stand still.
+    piece is `centre` + `spread`. The last `steady` coordinates change at a rate that is constant.
     """
 
     bits: int
@@ -128,7 +128,7 @@ class Chain(Guarded):
     slopes: Program
     centre: list[arb]
     spread: Spread
-    directions: int = 0
+    steady: int = 0
 
     def begin(self) -> None:
         """Sets what is known before the first piece; bits, steps, field, slopes, centre and spread
@@ -203,7 +203,7 @@ class Chain(Guarded):
         with precision(self.steps.jacobian_bits + GUARD):
             jacobian_bits = self.steps.jacobian_bits + unequal(proved.weights)
             order = self.jacobian_order or proved.jacobian_order(jacobian_bits)
-            flow = flow_series(self.slopes, polynomials, proved, start, order, self.directions)
+            flow = flow_series(self.slopes, polynomials, proved, start, order, self.steady)
         piece = Piece(begin, proved.step, polynomials, proved, self.spread, start, flow)
         # The exact centre of the next piece is the midpoint of this one's end; the set is moved by
         # the flow Jacobian, and takes in the radius of that end.
@@ -294,10 +294,11 @@ class Integration(Chain):
     ) -> None:
         self.bits = bits
         self.steps = steps or Steps()
-        self.directions = directions
+        self.steady = directions
         with precision(bits + GUARD):
             balls = list(start())
-        outputs, slopes = traced(field, len(balls), directions)
+        size = len(balls)
+        outputs, slopes = traced(field, size, range(size - directions, size))
         self.field = Program(outputs)
         self.slopes = Program([entry for row in slopes for entry in row])
         self.centre = [value.mid() for value in balls]

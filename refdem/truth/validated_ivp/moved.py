@@ -74,14 +74,14 @@ def flow_series(
     proved: Disc,
     start: arb,
     order: int,
-    directions: int = 0,
+    steady: int = 0,
 ) -> list[arb_mat]:
     """The Taylor coefficients V_0 .. V_order of the flow Jacobian, for every start within the norm
     `start` of T(0).
 
     V' = J(y(t)) V: (n+1) V_(n+1) = sum over i <= n of J_i V_(n-i), J_i being the coefficients of
-    J(y(t)). The last `directions` coordinates stand still: their rows of J are 0, those of V are
-    those of the unit matrix, and only the rows above are computed.
+    J(y(t)). The rates of the last `steady` coordinates are constant: their rows of J are 0, those
+    of V are those of the unit matrix, and only the rows above are computed.
 
     Theorem: on the disc two solutions differ by at most exp(integral of L) start (Gronwall), and
     each from T by `apart`; coefficients differ by that R^-n (Cauchy). Those of T are those of the
@@ -103,20 +103,20 @@ def flow_series(
     for i, polynomial in enumerate(polynomials):
         solution.append([polynomial[n] + arb(0, margins[n][i]) for n in range(order)])
     slopes = jacobian_series(jacobian, solution)
-    moving = size - directions
+    moving = size - steady
     by_moving = [part(one, moving, 0, moving) for one in slopes]
     terms = [part(unit_matrix(size), moving, 0, size)]
     for n in range(order):
         products_of_order_n = map(mul, by_moving[: n + 1], terms[::-1])
         total = sum(products_of_order_n, arb_mat(moving, size))
-        if directions:
+        if steady:
             total = total + part(slopes[n], moving, moving, size, size)
         terms.append(total / (n + 1))
-    if not directions:
+    if not steady:
         return terms
     still = unit_matrix(size).table()[moving:]
     whole = [arb_mat([*terms[0].table(), *still])]
-    no_change = [[arb(0)] * size] * directions
+    no_change = [[arb(0)] * size] * steady
     return whole + [arb_mat([*term.table(), *no_change]) for term in terms[1:]]
 
 

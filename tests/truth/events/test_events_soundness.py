@@ -99,7 +99,7 @@ def every_other_window(self, piece, low, high):
     return FOUND(self, piece, low, high)
 
 
-def stale(spread, jacobian, local):
+def stale(spread, jacobian, local, bits):
     """The set as it was before the step."""
     return spread
 
@@ -130,7 +130,7 @@ NEXT = stick_slip.StickSlip.next_time
 FIRST = CROSSING = crossing.first_crossing
 EARLIEST = crossing.earliest
 MOVED = phase.moved
-ROWS = system.derivative_rows
+ROWS = system.Traced.derivative_rows
 ONLY = crossing.only_zero
 LEAVES = stick_slip.StickSlip.leaves
 
@@ -153,20 +153,20 @@ BUGS = {
     ),
     "event at a point of time": (Phase, "crossing", point_crossing),
     "reset not in the jacobian": (
-        phase,
+        system.Traced,
         "derivative_rows",
-        lambda f, n: ROWS(lambda y: list(y), n),
+        lambda self, f: ROWS(self, lambda y: list(y)),
     ),
     "set not moved through the event (stale step)": (phase, "moved", stale),
     "local error of the event forgotten": (
         phase,
         "moved",
-        lambda s, v, local: MOVED(s, v, [arb(0)] * len(local)),
+        lambda s, v, local, bits: MOVED(s, v, [arb(0)] * len(local), bits),
     ),
     "set moved by the midpoint of the jump": (
         phase,
         "moved",
-        lambda s, v, local: MOVED(s, v.mid(), local),
+        lambda s, v, local, bits: MOVED(s, v.mid(), local, bits),
     ),
     "centre crosses where the set does": (
         Phase,
