@@ -25,6 +25,7 @@ from functools import cached_property
 from flint import arb
 
 from refdem.truth.balls import UndecidedError, arb_of
+from refdem.truth.dual import ball, carried
 from refdem.truth.reals import Number
 
 NEAR_TOUCH = Fraction(4, 5)
@@ -113,9 +114,8 @@ class PowerContact:
         is the time to parting.
         """
         if t == 0:
-            return arb(0), sense * self.speed
-        # d (since_touch)/dy = (1 - y^(n+1))^(-1/2) >= 1.
-        y = root(self.since_touch, lambda y: (1 - y**self.power).rsqrt(), t / self.unit, arb(1))
+            return self.speed * t, sense * self.speed
+        y = root(self.since_touch, self.slowness, t / self.unit, arb(1))
         return self.depth * y, sense * self.speed * (1 - y**self.power).sqrt()
 
     def near_turn(self, left: arb) -> tuple[arb, arb]:
@@ -131,7 +131,13 @@ class PowerContact:
 
     def elapsed(self, overlap: arb) -> arb:
         """Time since touch at an overlap on the way in, well before the turn."""
-        return self.unit * self.since_touch(overlap / self.depth)
+        y = overlap / self.depth
+        elapsed = self.since_touch(ball(y))
+        return self.unit * carried(elapsed, (self.slowness(ball(y)), y))
+
+    def slowness(self, y: arb) -> arb:
+        """The derivative (1 - y^(n+1))^(-1/2) >= 1 of the time since touch by y."""
+        return (1 - y**self.power).rsqrt()
 
 
 def touching(
@@ -155,16 +161,19 @@ def root(value: Callable[[arb], arb], slope: Callable[[arb], arb], goal: arb, le
     everywhere.
 
     Newton on midpoints, from x = 0, until the residual shrinks no more. Wherever it ends,
-    |goal - value(x)|/least bounds the error (mean value theorem).
+    |goal - value(x)|/least bounds the error (mean value theorem). The derivatives of x are those of
+    the goal, divided by the slope.
     """
-    x = goal.mid() * 0
-    residual = goal
+    aim = ball(goal)
+    x = aim.mid() * 0
+    residual = aim
     for _ in range(60):
         step = (residual / slope(x)).mid()
         x = (x + step).mid()
         before = residual
-        residual = (goal - value(x)).mid()
+        residual = (aim - value(x)).mid()
         is_small = abs(step) <= abs(x) * arb(2) ** -20
         if residual == 0 or (is_small and abs(residual) >= abs(before)):
             break
-    return x + arb(0, ((goal - value(x)) / least).abs_upper())
+    enclosed = x + arb(0, ((aim - value(x)) / least).abs_upper())
+    return carried(enclosed, (1 / slope(enclosed), goal))

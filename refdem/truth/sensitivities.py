@@ -14,6 +14,7 @@ Hypotheses, and where each is checked:
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
+from math import ceil
 from typing import Protocol, Self, runtime_checkable
 
 from refdem.core.parameters import Exact, Parameters
@@ -24,9 +25,15 @@ from refdem.truth.dual import Derivatives, ExactDual
 NO_NUMBERS = frozenset({"duration", "samples"})
 """Parameters that say where a motion is looked at, and not what it is."""
 DISTANCE = Fraction(1, 2**24)
-"""Part of itself by which a number is moved for differences; 2^-24 of its unit if it is 0."""
+"""Part of itself by which a number is moved for differences; 2^-24 of its unit if it is 0.
+
+Where a quantity changes by much more than the number (a chaotic map), it is as much smaller: such
+quantities are far from linear over larger distances.
+"""
 DIGITS = 24
-"""Digits of the values whose differences are taken: those of the differences are 16."""
+"""Digits of the values whose differences are taken: those of the differences are 16. They are more
+as distances are smaller.
+"""
 SPARE = 4
 """The factor by which a derivative may be further from the nearer difference than that is from the
 farther one: the error of a central difference falls by 4 as its distance is halved, that of one to
@@ -203,15 +210,21 @@ def disagreement(
     t: Fraction,
 ) -> str | None:
     """None if differences in a direction tend to the derivative in it, else what is seen."""
-    far = quotients(make, p, direction, t, DISTANCE)
-    near = quotients(make, p, direction, t, DISTANCE / 2)
+    expected_of = {
+        quantity: direction.derivative(dict(zip(numbers, slopes, strict=True)))
+        for quantity, slopes in derivatives.items()
+    }
+    growth = max([1, *(ceil(abs(ball.mid)) for ball in expected_of.values())])
+    distance = DISTANCE / growth
+    digits = DIGITS + growth.bit_length() // 3
+    far = quotients(make, p, direction, t, distance, digits)
+    near = quotients(make, p, direction, t, distance / 2, digits)
     if far is None or near is None:
         return "no motion beside it is certified"
-    for quantity, slopes in derivatives.items():
+    for quantity, expected in expected_of.items():
         if quantity not in far or quantity not in near:
             # A body that does not spin has no such quantity.
             continue
-        expected = direction.derivative(dict(zip(numbers, slopes, strict=True)))
         apart = abs(far[quantity].mid - near[quantity].mid)
         rounding = far[quantity].radius + near[quantity].radius + expected.radius
         if abs(expected.mid - near[quantity].mid) > SPARE * (apart + rounding):
@@ -229,14 +242,15 @@ def quotients(
     direction: Direction,
     t: Fraction,
     distance: Fraction,
+    digits: int,
 ) -> dict[str, Ball] | None:
-    """Differences of certified values over their distance in a direction: between both sides, or
-    to one side where the other has no motion; None where neither has.
+    """Differences of values that are certified to some digits, over their distance in a direction:
+    between both sides, or to one side where the other has no motion; None where neither has.
     """
     sides: list[tuple[Fraction, Mapping[str, Ball]]] = []
     for place in (distance, -distance, Fraction(0)):
         try:
-            balls = make(direction.moved(p, place)).refined(DIGITS).at(t)
+            balls = make(direction.moved(p, place)).refined(digits).at(t)
         except (RefdemError, ValueError, ArithmeticError):
             continue
         sides.append((place, balls))

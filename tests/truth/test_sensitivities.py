@@ -11,7 +11,7 @@ from refdem.core.truth import Ball
 from refdem.errors import NotCertifiedError
 from refdem.truth.closed_forms.quadratic_drag import QuadraticDrag
 from refdem.truth.dual import plain
-from refdem.truth.sensitivities import numbers_of, sensitivities
+from refdem.truth.sensitivities import Number, numbers_of, sensitivities
 
 DIGITS = 20
 STEP = Fraction(1, 10**20)
@@ -48,6 +48,23 @@ SETTINGS = [
     ("two-body-orbit", {"stiffness": "2"}, "3"),
     ("two-spheres", {}, "2"),
     ("newtons-first-law", {"spin": "1/2"}, "2"),
+    ("logistic", {}, "7"),
+    ("logistic", {"eta": "4", "x0": "1/3"}, "12"),
+    ("logistic", {"form": "ode"}, "2"),
+    ("logistic", {"form": "ode", "x0": "0"}, "2"),
+    ("billiards", {"geometry": "rectangle"}, "5"),
+    ("billiards", {"geometry": "rectangle", "direction": "-3,7"}, "12"),
+    ("billiards", {}, "4"),
+    ("billiards", {"size": "2,2"}, "6"),
+    ("quaternions", {}, "0"),
+    ("rotations", {}, "0"),
+    ("hertz-spheres", {}, "1/100"),
+    ("hertz-spheres", {}, "1/13"),
+    ("hertz-spheres", {}, "3/20"),
+    ("hertz-spheres", {}, "1"),
+    ("bifurcations", {}, "0"),
+    ("billiard-break", {"rows": "2", "friction": "1/10"}, "3/2"),
+    ("rigid-cluster", {}, "1/2"),
 ]
 
 
@@ -130,6 +147,41 @@ def test_a_number_that_starts_on_a_border_has_no_derivative() -> None:
     found = sensitivities(chosen.truth, chosen.at().p, Fraction(5, 2), DIGITS)
     assert list(found.missing) == ["v0"]
     assert isinstance(found.of["x"]["mass"], Ball)
+
+
+def test_derivatives_of_a_chaotic_map_are_the_product_of_its_slopes() -> None:
+    """They are larger than 1e50, and differences over a fixed part of the start tell nothing."""
+    chosen = discovery.case("logistic")
+    p = chosen.at(eta="4", x0="1/3").p
+    t = Fraction(200)
+    truth = chosen.truth(p).refined(150)
+    product = Fraction(1)
+    for n in range(200):
+        product *= 4 * (1 - 2 * truth.at(Fraction(n))["x_n"].mid)
+    found = sensitivities(chosen.truth, p, t, DIGITS)
+    assert found.missing == {}
+    ball = found.of["x_n"]["x0"]
+    assert abs(ball.mid) > 10**50
+    assert abs(ball.mid - product) <= ball.radius + Fraction(1, 10**DIGITS)
+
+
+def test_a_free_box_moves_by_its_velocity_and_turns_as_a_free_body() -> None:
+    chosen = discovery.case("neglected-gyroscopic")
+    p = chosen.at(omega_body="1/8,1/4,0").p
+    t = Fraction(1, 4)
+    found = sensitivities(chosen.truth, p, t, DIGITS)
+    assert found.missing == {}
+    assert found.of["x"]["velocity.0"] == Ball(t, Fraction(0))
+    assert found.of["omega.z"]["velocity.0"].mid == 0
+    seen = difference("neglected-gyroscopic", {"omega_body": "1/8,1/4,0"}, t, Number("inertia", 1))
+    ball = found.of["attitude.z"]["inertia.1"]
+    assert abs(ball.mid - seen["attitude.z"]) <= ball.radius + Fraction(1, 10**25)
+
+
+def test_a_gas_without_a_certified_motion_says_so() -> None:
+    chosen = discovery.case("granular-gas")
+    with pytest.raises(NotCertifiedError, match="the motion is chaotic"):
+        sensitivities(chosen.truth, chosen.at().p, Fraction(1), DIGITS)
 
 
 @pytest.mark.parametrize("case", ["phase-flow"])

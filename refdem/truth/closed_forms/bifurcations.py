@@ -22,7 +22,8 @@ multiplier above -1 up to the first root. That it is -1 there, and not +1 elsewh
 shows by its sign on both sides.
 """
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
+from fractions import Fraction
 from typing import cast
 
 from flint import acb, arb, fmpq, fmpq_poly
@@ -32,6 +33,7 @@ from refdem.core.truth import Truth
 from refdem.errors import NotCertifiedError
 from refdem.truth.balls import UndecidedError, arb_of
 from refdem.truth.closed_forms.quaternions import listed
+from refdem.truth.dual import carried, plain
 from refdem.truth.exact import numbers
 from refdem.truth.refiner import Refiner
 from refdem.truth.timeless import Timeless
@@ -53,27 +55,40 @@ def real_roots(polynomial: fmpq_poly) -> list[arb]:
 
 def fold_squares(p: Parameters) -> tuple[arb, arb]:
     """The squares S of the amplitudes at the lower and the upper fold."""
-    values = {
-        name: fmpq(value.numerator, value.denominator)
-        for name, value in numbers(p, "alpha", "beta", "delta", "f0").items()
-    }
-    h = values["beta"] * fmpq(3, 4)
+    values = numbers(p, "alpha", "beta", "delta", "f0")
+    h = values["beta"] * Fraction(3, 4)
     force = values["f0"] * values["f0"]
     damping = values["delta"] * values["delta"]
-    polynomial = fmpq_poly(
-        [
-            force * force,
-            0,
-            8 * damping * h * force,
-            -4 * h * h * force,
-            16 * damping * h * h * values["alpha"],
-            16 * damping * h * h * h,
-        ]
-    )
+    coefficients = [
+        force * force,
+        Fraction(0),
+        8 * damping * h * force,
+        -4 * h * h * force,
+        16 * damping * h * h * values["alpha"],
+        16 * damping * h * h * h,
+    ]
+    polynomial = fmpq_poly([fmpq(c.numerator, c.denominator) for c in coefficients])
     positive = [root for root in real_roots(polynomial) if root > 0]
     if len(positive) != 2:
         raise NotCertifiedError("the resonance has no two folds")
-    return positive[0], positive[1]
+    return moving_root(positive[0], coefficients), moving_root(positive[1], coefficients)
+
+
+def moving_root(root: arb, coefficients: Sequence[Fraction]) -> arb:
+    """The simple root S of the polynomial P with these coefficients, lowest power first, with its
+    derivatives if the coefficients have some: dS = -sum dc_k S^k/P'(S).
+    """
+    powers = [arb(1)]
+    for _ in coefficients[1:]:
+        powers.append(powers[-1] * root)
+    slope = arb(0)
+    for k, coefficient in enumerate(coefficients[1:], start=1):
+        slope += k * arb_of(plain(coefficient)) * powers[k - 1]
+    changes = [
+        (-power / slope, arb_of(coefficient))
+        for power, coefficient in zip(powers, coefficients, strict=True)
+    ]
+    return carried(root, *changes)
 
 
 def fold(p: Parameters, s: arb) -> list[arb]:

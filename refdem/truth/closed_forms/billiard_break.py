@@ -81,7 +81,8 @@ class BallsMayMeet:
         if not q > 0:
             # The first root is (-d.w - sqrt(q))/w^2, and not before this.
             raise GrazingError((nearing - q.abs_upper().sqrt()) / square)
-        return arb(gap / (nearing + q.sqrt()))
+        wait: arb = gap / (nearing + q.sqrt())
+        return wait
 
     def normal(self, places: Sequence[Sequence[Any]]) -> list[Any]:
         """The unit vector (3,) from centre to centre, in balls or in balls with derivatives."""

@@ -11,11 +11,16 @@ from refdem.core.parameters import Parameters
 from refdem.core.truth import Ball, Truth
 from refdem.errors import NotCertifiedError
 from refdem.truth.balls import Guarded, arb_of, refined
+from refdem.truth.dual import Derivatives
 from refdem.truth.exact import numbers
 
 MASS = Fraction(1)
 DIMENSIONS = 3
 """Dimensions of space, d in Haff's law."""
+CHAOTIC = (
+    "the motion is chaotic; Haff's law is a mean over starts, which the check `cooling` judges by"
+    " its scatter"
+)
 
 
 class HaffTime(Guarded, Truth):
@@ -33,10 +38,11 @@ class HaffTime(Guarded, Truth):
 
     def at(self, t: Fraction) -> Mapping[str, Ball]:
         """Raises NotCertifiedError: what the law says is a mean over many starts."""
-        raise NotCertifiedError(
-            "the motion is chaotic; Haff's law is a mean over starts, which the check `cooling`"
-            " judges by its scatter"
-        )
+        raise NotCertifiedError(CHAOTIC)
+
+    def derivatives(self, t: Fraction, count: int) -> Derivatives:
+        """Raises NotCertifiedError: no value is certified whose derivative it would be."""
+        raise NotCertifiedError(CHAOTIC)
 
     def sensitivity(self, t: Fraction) -> float:
         """1: nothing is certified at any time."""

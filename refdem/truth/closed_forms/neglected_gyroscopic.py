@@ -24,6 +24,7 @@ from refdem.truth.closed_forms.free_rigid_body import (
     FreeRigidBody,
     exact_columns,
 )
+from refdem.truth.dual import Derivatives, slopes_of
 from refdem.truth.events.system import Entry, TracedModes
 from refdem.truth.events.truth import HybridFlow
 from refdem.truth.exact import number, numbers, vector
@@ -55,6 +56,16 @@ class Flight(Guarded, Truth):
             axis: Ball(v * t, Fraction(0)) for axis, v in zip(PLACE, self.velocity, strict=True)
         }
         return self.body.at(t) | places
+
+    def derivatives(self, t: Fraction, count: int) -> Derivatives:
+        """The derivatives at t of every quantity by each of `count` parameters: those of the body
+        from its equations, those of its place v t exactly.
+        """
+        places = {}
+        for axis, v in zip(PLACE, self.velocity, strict=True):
+            slopes = slopes_of(v) or (Fraction(0),) * count
+            places[axis] = tuple(Ball(slope * t, Fraction(0)) for slope in slopes)
+        return self.body.by_equation().derivatives(t, count) | places
 
     def place_growth(self, t: arb) -> arb:
         """S of the place, 1 + t |v|/L: an error of L in it and one of |v| in the velocity, along

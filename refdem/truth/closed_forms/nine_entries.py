@@ -9,12 +9,12 @@ becomes (1, v/2) q, a turn by 2 atan(|v|/2) of length sqrt(1 + |v|^2/4).
 from collections.abc import Sequence
 from fractions import Fraction
 
-from flint import arb, arb_mat
+from flint import arb
 
 from refdem.core.parameters import Parameters
 from refdem.truth.balls import UndecidedError, arb_of
 from refdem.truth.exact import number, vector
-from refdem.truth.rotation import applied, times
+from refdem.truth.rotation import Matrix, applied, product, times, transposed
 
 
 def values(p: Parameters, matrix: Sequence[arb], q: Sequence[arb]) -> dict[str, list[arb]]:
@@ -22,9 +22,9 @@ def values(p: Parameters, matrix: Sequence[arb], q: Sequence[arb]) -> dict[str, 
     turn = turned_in_a_step(p)
     square = arb_of(sum((x * x for x in turn), Fraction(0)))
     angle = square.sqrt()
-    rotation = square_matrix(matrix)
+    rotation = [matrix[k : k + 3] for k in (0, 3, 6)]
     axis = axis_of(turn)
-    body_axis = applied(rotation.transpose().table(), axis)
+    body_axis = applied(transposed(rotation), axis)
     return (
         of_nine(rotation, turn, axis, body_axis)
         | of_four(rotation, q, turn, axis)
@@ -45,14 +45,15 @@ def axis_of(turn: Sequence[Fraction]) -> list[arb]:
 
 
 def of_nine(
-    rotation: arb_mat, turn: Sequence[Fraction], axis: Sequence[arb], body_axis: Sequence[arb]
+    rotation: Matrix, turn: Sequence[Fraction], axis: Sequence[arb], body_axis: Sequence[arb]
 ) -> dict[str, list[arb]]:
     """The nine entries after the step, R^T (|v|^2 1 - v v^T) R by which they miss orthogonality,
     their determinant, and the nearest rotation.
     """
     x, y, z = (arb_of(component) for component in turn)
     square = x * x + y * y + z * z
-    first_order = arb_mat([[1, -z, y], [z, 1, -x], [-y, x, 1]])
+    one = arb(1)
+    first_order = [[one, -z, y], [z, one, -x], [-y, x, one]]
     stretch = (1 + square).sqrt()
     nearest = turn_about(axis, square.sqrt() / stretch, 1 / stretch)
     defect = [
@@ -61,15 +62,15 @@ def of_nine(
     return {
         # Nine numbers and six conditions on their rates: three turns are left.
         "nine-entries-freedom": [arb(3)],
-        "nine-entries": row_by_row(first_order * rotation),
+        "nine-entries": row_by_row(product(first_order, rotation)),
         "nine-entries-defect": defect,
         "nine-entries-determinant": [1 + square],
-        "nine-entries-back": row_by_row(nearest * rotation),
+        "nine-entries-back": row_by_row(product(nearest, rotation)),
     }
 
 
 def of_four(
-    rotation: arb_mat, q: Sequence[arb], turn: Sequence[Fraction], axis: Sequence[arb]
+    rotation: Matrix, q: Sequence[arb], turn: Sequence[Fraction], axis: Sequence[arb]
 ) -> dict[str, list[arb]]:
     """The quaternion after the step, its length, and the unit quaternion with its matrix."""
     half = [arb_of(component) / 2 for component in turn]
@@ -85,12 +86,12 @@ def of_four(
         "four-entries": stepped,
         "four-entries-length": [length],
         "four-entries-back": [component / length for component in stepped],
-        "four-entries-matrix": row_by_row(turn_about(axis, sine, cosine) * rotation),
+        "four-entries-matrix": row_by_row(product(turn_about(axis, sine, cosine), rotation)),
     }
 
 
 def lags(
-    rotation: arb_mat, angle: arb, axis: Sequence[arb], body_axis: Sequence[arb]
+    rotation: Matrix, angle: arb, axis: Sequence[arb], body_axis: Sequence[arb]
 ) -> dict[str, list[arb]]:
     """The whole turn by |v|, and what is missing to it: |v| - atan |v| with nine entries, |v| - 2
     atan(|v|/2) with four, about the axis in the body.
@@ -98,14 +99,14 @@ def lags(
     nine_lag = angle - angle.atan()
     four_lag = angle - 2 * (angle / 2).atan()
     whole_turn = turn_about(axis, angle.sin(), angle.cos())
-    whole = whole_turn * rotation
+    whole = product(whole_turn, rotation)
     nine_between = turn_about(body_axis, -nine_lag.sin(), nine_lag.cos())
     four_between = turn_about(body_axis, -four_lag.sin(), four_lag.cos())
     return {
         "whole-turn": row_by_row(whole_turn),
         "whole-quaternion": [(angle / 2).cos(), *((angle / 2).sin() * n for n in axis)],
         "whole": row_by_row(whole),
-        "whole-back": row_by_row(whole.transpose()),
+        "whole-back": row_by_row(transposed(whole)),
         "nine-entries-between": row_by_row(nine_between),
         "nine-entries-lag": [folded(nine_lag)],
         "four-entries-between": row_by_row(four_between),
@@ -124,25 +125,19 @@ def folded(angle: arb) -> arb:
     return rest
 
 
-def turn_about(axis: Sequence[arb], sine: arb, cosine: arb) -> arb_mat:
+def turn_about(axis: Sequence[arb], sine: arb, cosine: arb) -> list[list[arb]]:
     """The matrix cos 1 + sin [n] + (1 - cos) n n^T of a turn about the unit vector n."""
     x, y, z = axis
     cross = [[arb(0), -z, y], [z, arb(0), -x], [-y, x, arb(0)]]
-    entries = [
+    return [
         [
             cosine * int(i == j) + sine * cross[i][j] + (1 - cosine) * axis[i] * axis[j]
             for j in range(3)
         ]
         for i in range(3)
     ]
-    return arb_mat(entries)
 
 
-def square_matrix(entries: Sequence[arb]) -> arb_mat:
-    """The matrix (3, 3) of nine entries, row by row."""
-    return arb_mat(3, 3, list(entries))
-
-
-def row_by_row(m: arb_mat) -> list[arb]:
+def row_by_row(m: Matrix) -> list[arb]:
     """The entries of a matrix."""
-    return [entry for row in m.table() for entry in row]
+    return [entry for row in m for entry in row]

@@ -8,30 +8,32 @@ with Pauli's matrices s1, s2, s3. Sums and products of quaternions are those of 
 conjugate q* = (w, -x, -y, -z) is the conjugate transpose, |q|^2 is the determinant, and (w, x, y,
 z) are read back from the first column (w - i z, y - i x).
 
-Names: a function that takes or returns `acb_mat` works on such matrices. The case's quaternions p,
-q, r are called `p_matrix`, `q_matrix`, `r_matrix`; u = q/|q| is the unit quaternion, which rotates
-body vectors into space.
+Names: a function that takes or returns `ComplexMatrix` works on such matrices. The case's
+quaternions p, q, r are called `p_matrix`, `q_matrix`, `r_matrix`; u = q/|q| is the unit
+quaternion, which rotates body vectors into space.
 """
 
 from collections.abc import Mapping, Sequence
 from fractions import Fraction
 
-from flint import acb, acb_mat, arb
+from flint import arb
 
 from refdem.core.parameters import Parameters
 from refdem.core.truth import Truth
 from refdem.truth.balls import UndecidedError, arb_of
+from refdem.truth.complex_balls import Complex, ComplexMatrix
+from refdem.truth.dual import atan2
 from refdem.truth.exact import vector
 from refdem.truth.refiner import Refiner
 from refdem.truth.timeless import Timeless
 
 
-def matrix_of(w: arb, x: arb, y: arb, z: arb) -> acb_mat:
+def matrix_of(w: arb, x: arb, y: arb, z: arb) -> ComplexMatrix:
     """The complex 2 x 2 matrix of the quaternion (w, x, y, z)."""
-    return acb_mat([[acb(w, -z), acb(-y, -x)], [acb(y, -x), acb(w, z)]])
+    return ComplexMatrix.of([[Complex(w, -z), Complex(-y, -x)], [Complex(y, -x), Complex(w, z)]])
 
 
-def of_numbers(numbers: Sequence[Fraction]) -> acb_mat:
+def of_numbers(numbers: Sequence[Fraction]) -> ComplexMatrix:
     """The matrix of four exact numbers (w, x, y, z), or of three, (x, y, z), with w = 0."""
     if len(numbers) == 3:
         numbers = (Fraction(0), *numbers)
@@ -39,33 +41,33 @@ def of_numbers(numbers: Sequence[Fraction]) -> acb_mat:
     return matrix_of(w, x, y, z)
 
 
-def of_balls(v: Sequence[arb]) -> acb_mat:
+def of_balls(v: Sequence[arb]) -> ComplexMatrix:
     """The matrix of the vector (x, y, z) of balls, as a quaternion with w = 0."""
     x, y, z = v
     return matrix_of(arb(0), x, y, z)
 
 
-def numbers_of(m: acb_mat) -> list[arb]:
+def numbers_of(m: ComplexMatrix) -> list[arb]:
     """The quaternion (w, x, y, z) of a matrix, from its first column (w - i z, y - i x)."""
     return [m[0, 0].real, -m[1, 0].imag, m[1, 0].real, -m[0, 0].imag]
 
 
-def conjugated(m: acb_mat) -> acb_mat:
+def conjugated(m: ComplexMatrix) -> ComplexMatrix:
     """The matrix of the conjugate quaternion: the conjugate transpose."""
-    return acb_mat([[m[j, i].conjugate() for j in range(2)] for i in range(2)])
+    return m.adjoint()
 
 
-def absolute(m: acb_mat) -> arb:
+def absolute(m: ComplexMatrix) -> arb:
     """|q|: the square root of the determinant."""
-    return (m[0, 0] * m[1, 1] - m[0, 1] * m[1, 0]).real.sqrt()
+    return m.determinant().real.sqrt()
 
 
-def rotated(u: acb_mat, v: acb_mat) -> list[arb]:
+def rotated(u: ComplexMatrix, v: ComplexMatrix) -> list[arb]:
     """The vector v rotated by the unit quaternion u: the vector part of u v u*."""
     return numbers_of(u * v * conjugated(u))[1:]
 
 
-def euler(u: acb_mat) -> list[arb]:
+def euler(u: ComplexMatrix) -> list[arb]:
     """Euler's angles phi, theta, psi (z-x-z) [rad] of the unit quaternion u.
 
     By (1.76) to (1.79), with c = cos(theta/2) and s = sin(theta/2),
@@ -76,11 +78,11 @@ def euler(u: acb_mat) -> list[arb]:
     difference of the two phases. Raises UndecidedError where phi or psi may be +-pi.
     """
     w, x, y, z = numbers_of(u)
-    cosine_part = acb(w, z)
-    sine_part = acb(x, y)
+    cosine_part = Complex(w, z)
+    sine_part = Complex(x, y)
     half_sum = cosine_part.arg()
     half_difference = sine_part.arg()
-    theta = 2 * acb(abs(cosine_part), abs(sine_part)).arg()
+    theta = 2 * atan2(abs(sine_part), abs(cosine_part))
     return [wrapped(half_sum + half_difference), theta, wrapped(half_sum - half_difference)]
 
 
@@ -102,18 +104,18 @@ def values(p: Parameters) -> dict[str, list[arb]]:
     """The numbers of every row of the case, by the row's name."""
     q_matrix = of_numbers(vector(p, "q"))
     length = absolute(q_matrix)
-    u = q_matrix / acb(length)
+    u = q_matrix / length
     matrices = products(p, q_matrix, length) | rates(p, u)
     of_matrices = {name: numbers_of(matrix) for name, matrix in matrices.items()}
     return of_matrices | rotation_rows(p, q_matrix, length, u) | successive(p, u) | pauli(p)
 
 
-def successive(p: Parameters, u: acb_mat) -> dict[str, list[arb]]:
+def successive(p: Parameters, u: ComplexMatrix) -> dict[str, list[arb]]:
     """Rotations by u1 = p/|p| and then by u2 = u: that by the product u2 u1, and in the other
     order that by u1 u2.
     """
     p_matrix = of_numbers(vector(p, "p"))
-    u1 = p_matrix / acb(absolute(p_matrix))
+    u1 = p_matrix / absolute(p_matrix)
     v = of_numbers(vector(p, "vector"))
     # One after the other: u2 (u1 v u1*) u2*.
     first = rotated(u1, v)
@@ -140,7 +142,7 @@ def pauli(p: Parameters) -> dict[str, list[arb]]:
     return of_axes | of_elements | {"pauli-vector": [length, -length]}
 
 
-def products(p: Parameters, q_matrix: acb_mat, length: arb) -> dict[str, acb_mat]:
+def products(p: Parameters, q_matrix: ComplexMatrix, length: arb) -> dict[str, ComplexMatrix]:
     """Products, sums and conjugates of p, q and r, and the inverse and unit quaternion of q.
 
     `length` is |q|. Rows that are different formulas of one value (the two ways to bracket p q r,
@@ -166,14 +168,14 @@ def products(p: Parameters, q_matrix: acb_mat, length: arb) -> dict[str, acb_mat
         "sum": p_matrix + q_matrix,
         "conjugate-of-sum": conjugated(p_matrix) + conjugated(q_matrix),
         # q^-1 = q*/|q|^2
-        "inverse": conjugated(q_matrix) / acb(length * length),
+        "inverse": conjugated(q_matrix) / (length * length),
         # q q^-1 = 1
         "one": of_numbers((Fraction(1),) + (Fraction(0),) * 3),
-        "u": q_matrix / acb(length),
+        "u": q_matrix / length,
     }
 
 
-def rates(p: Parameters, u: acb_mat) -> dict[str, acb_mat]:
+def rates(p: Parameters, u: ComplexMatrix) -> dict[str, ComplexMatrix]:
     """The first and second time derivatives of the unit quaternion u, and products with them.
 
     The parameters `omega` [rad/s] and `rise` [rad/s^2] are the angular velocity and its derivative,
@@ -181,18 +183,18 @@ def rates(p: Parameters, u: acb_mat) -> dict[str, acb_mat]:
     """
     omega = of_numbers(vector(p, "omega"))
     omega_rate = of_numbers(vector(p, "rise"))
-    half = acb(1) / 2
+    two = arb(2)
     # (1.67): u' = omega u/2, and u'' = (omega' u + omega u')/2 = (omega' u + omega^2 u/2)/2.
-    rate = omega * u * half
-    second_rate = (omega_rate * u + omega * omega * u * half) * half
+    rate = omega * u / two
+    second_rate = (omega_rate * u + omega * omega * u / two) / two
     # The row "back" goes through the rotation matrix, the same for u and -u: w >= 0 is meant.
     if numbers_of(u)[0] < 0:
-        sign = acb(-1)
+        back = -u
     else:
-        sign = acb(1)
+        back = u
     return {
         "-u": -u,
-        "back": u * sign,
+        "back": back,
         "turned-twice": u * u,
         "rate": rate,
         "second-rate": second_rate,
@@ -206,7 +208,7 @@ def rates(p: Parameters, u: acb_mat) -> dict[str, acb_mat]:
 
 
 def rotation_rows(
-    p: Parameters, q_matrix: acb_mat, length: arb, u: acb_mat
+    p: Parameters, q_matrix: ComplexMatrix, length: arb, u: ComplexMatrix
 ) -> dict[str, list[arb]]:
     """Vectors rotated by u, the rotation matrix and Euler's angles of u, and omega in both axes.
 

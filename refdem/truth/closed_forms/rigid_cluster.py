@@ -56,7 +56,8 @@ from refdem.truth.free_body import (
 )
 from refdem.truth.growth import CLOSED_BITS, Grows
 from refdem.truth.refiner import FIRST_BITS, Refiner, Sensitivity
-from refdem.truth.vectors import cross
+from refdem.truth.validated_flow import DualReading, ValidatedFlow
+from refdem.truth.vectors import cross, dot
 
 WITNESS = (
     "multiprecision integration of q' = q omega/2 with L kept, in axes that are not principal"
@@ -331,13 +332,45 @@ class RigidCluster(ClosedForm):
     def evaluate(self, t: arb) -> dict[str, arb]:
         """r_i = c + R(t) (r_i(0) - c), with R(t) = q(t) q(0)* in axes of space."""
         since_start = rotation.times(self.turned(t), rotation.conjugate(self.start()))
-        r = rotation.matrix(since_start)
-        places: dict[str, arb] = {}
-        for number, arm in enumerate(self.arms):
-            turned_arm = rotation.applied(r, [arb_of(x) for x in arm])
-            for axis, c, x in zip("xyz", self.centre, turned_arm, strict=True):
-                places[f"r{number + 1}.{axis}"] = arb_of(c) + x
-        return places
+        return places_of(self.centre, self.arms, since_start)
+
+    def by_equation(self) -> ValidatedFlow:
+        """The same motion from the equation q' = q omega/2 of the turn q since the start, where
+        omega = J^-1 R^T L in axes of the body, and L is constant.
+        """
+        momentum = [dot_exact(row, self.omega) for row in self.tensor]
+        inverse = inverse_of(self.tensor)
+        centre = self.centre
+        arms = self.arms
+
+        def rates(q: Sequence[Any]) -> list[Any]:
+            a, b, c, d = q
+            columns = rotation.transposed(rotation.matrix(q))
+            wx, wy, wz = (
+                dot(row, [dot(column, momentum) for column in columns]) for row in inverse
+            )
+            # Hamilton's product (a, b, c, d) (0, omega).
+            turning = [
+                -(b * wx + c * wy + d * wz),
+                a * wx + c * wz - d * wy,
+                a * wy + d * wx - b * wz,
+                a * wz + b * wy - c * wx,
+            ]
+            return [rate / 2 for rate in turning]
+
+        def seen(q: Sequence[arb]) -> dict[str, arb]:
+            return places_of(centre, arms, q)
+
+        start = [Fraction(1), *NONE]
+        flow = ValidatedFlow(
+            rates,
+            start,
+            DualReading(seen),
+            self.scale,
+            state=ATTITUDE,
+            moved=range(4),
+        )
+        return flow.refined(self.digits)
 
     @per_precision
     def growth(self) -> Grows:
@@ -355,6 +388,30 @@ class RigidCluster(ClosedForm):
     def in_own_axes(self, t: arb) -> list[arb]:
         """The turn since the start, in the axes of space in which the places are given."""
         return rotation.times(self.turned(t), rotation.conjugate(self.start()))
+
+
+def places_of(
+    centre: Sequence[Fraction], arms: Sequence[Sequence[Fraction]], turn: Sequence[arb]
+) -> dict[str, arb]:
+    """The places r1.x to r4.z [m] of points at these arms from the centre, after a turn by a unit
+    quaternion.
+    """
+    r = rotation.matrix(turn)
+    places: dict[str, arb] = {}
+    for number, arm in enumerate(arms):
+        turned_arm = rotation.applied(r, [arb_of(x) for x in arm])
+        for axis, c, x in zip("xyz", centre, turned_arm, strict=True):
+            places[f"r{number + 1}.{axis}"] = arb_of(c) + x
+    return places
+
+
+def inverse_of(tensor: Sequence[Sequence[Fraction]]) -> list[list[Fraction]]:
+    """The inverse of a symmetric matrix, exact: vector products of its rows over its
+    determinant.
+    """
+    a, b, c = tensor
+    determinant = dot_exact(a, cross(b, c))
+    return [[x / determinant for x in row] for row in (cross(b, c), cross(c, a), cross(a, b))]
 
 
 def inertia_tensor(

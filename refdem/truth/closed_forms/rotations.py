@@ -8,13 +8,14 @@ Chen 2014.
 
 from collections.abc import Mapping
 
-from flint import acb, arb
+from flint import arb
 
 from refdem.core.parameters import Parameters
 from refdem.core.truth import Truth
 from refdem.truth.balls import arb_of
 from refdem.truth.closed_forms import koenig, nine_entries
 from refdem.truth.closed_forms.quaternions import listed
+from refdem.truth.complex_balls import Complex
 from refdem.truth.exact import number, vector
 from refdem.truth.refiner import Refiner
 from refdem.truth.rotation import times
@@ -243,9 +244,9 @@ def in_the_plane(p: Parameters) -> dict[str, list[arb]]:
     """
     angle = arb_of(number(p, "angle"))
     x, y = (arb_of(component) for component in vector(p, "vector"))
-    v = acb(x, y)
-    turned = acb(angle.cos(), angle.sin()) * v
-    mirrored = acb((2 * angle).cos(), (2 * angle).sin()) * v.conjugate()
+    v = Complex(x, y)
+    turned = Complex(angle.cos(), angle.sin()) * v
+    mirrored = Complex((2 * angle).cos(), (2 * angle).sin()) * v.conjugate()
     return {
         "plane-turn": [turned.real, turned.imag],
         "complex-turn": [turned.real, turned.imag],

@@ -10,7 +10,7 @@ doubles, with a bound of all that is lost by that (`Stepped._grow`).
 """
 
 from abc import ABC, abstractmethod
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from copy import copy
 from fractions import Fraction
 from functools import cached_property
@@ -22,6 +22,7 @@ from flint import arb, arb_mat, ctx
 from refdem.core.truth import Ball, Truth
 from refdem.errors import NotCertifiedError, UsageError
 from refdem.truth.balls import Guarded, UndecidedError, arb_of, ball_of, precision, refined
+from refdem.truth.dual import Derivatives, flattened, unflattened
 from refdem.truth.growth import BOUNDLESS, ROUNDING, Array, Norm, bounded, doubles
 from refdem.truth.refiner import Size
 
@@ -102,8 +103,23 @@ class Iterated(Guarded, Truth):
         be proved.
         """
         n = whole(t)
+        return self.proved(n, lambda: self.values(self.state(n)))
+
+    def derivatives(self, t: Fraction, count: int) -> Derivatives:
+        """The derivatives of every quantity of the iterate t by each of `count` parameters, by
+        which the numbers of this truth carry their own derivatives (dual.py): each step multiplies
+        them by its slope.
+        """
+        n = whole(t)
+        flat = self.proved(n, lambda: flattened(self.values(self.state(n)), count))
+        return unflattened(flat, count)
+
+    def proved(self, n: int, formula: Callable[[], dict[str, arb]]) -> dict[str, Ball]:
+        """The balls of a formula of iterate n; raises NotCertifiedError where no precision makes
+        them small enough.
+        """
         target = self.largest_radius()
-        balls = refined(lambda: self.values(self.state(n)), target, most=MOST_BITS)
+        balls = refined(formula, target, most=MOST_BITS)
         if balls is None or any(ball.radius > target for ball in balls.values()):
             raise self.lost(n)
         return balls

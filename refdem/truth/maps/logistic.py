@@ -75,9 +75,9 @@ class LogisticFlow(Iterated):
         self.x0 = x0
 
     def state(self, n: int) -> arb:
-        if self.x0 == 0:
-            return arb(0)
-        return 1 / (1 + arb_of(1 / self.x0 - 1) * (-arb_of(self.eta) * n).exp())
+        decay = (-arb_of(self.eta) * n).exp()
+        # 1/(1 + (1/x0 - 1) e^-eta t), and at x0 = 0 too.
+        return arb_of(self.x0) / (arb_of(self.x0) + arb_of(1 - self.x0) * decay)
 
     def first(self) -> arb:
         return self.state(0)

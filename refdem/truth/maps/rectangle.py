@@ -7,7 +7,7 @@ comes n-th, and whether a corner is met, is decided in whole numbers. The direct
 vector in the end, so that a root is taken once.
 """
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from fractions import Fraction
 from math import gcd
@@ -17,6 +17,7 @@ from flint import arb, arb_mat
 from refdem.core.truth import Ball, Truth
 from refdem.errors import NotCertifiedError
 from refdem.truth.balls import Guarded, arb_of, ball_of, refined
+from refdem.truth.dual import Derivatives, flattened, unflattened
 from refdem.truth.growth import bounded, most
 from refdem.truth.maps.iterated import whole
 from refdem.truth.refiner import Size
@@ -197,8 +198,20 @@ class Rectangle(Guarded, Truth):
     def at(self, t: Fraction) -> Mapping[str, Ball]:
         """Position and direction after bounce t, a whole number."""
         n = whole(t)
+        return self.proved(lambda: self.values(n))
+
+    def derivatives(self, t: Fraction, count: int) -> Derivatives:
+        """The derivatives of position and direction after bounce t by each of `count` parameters,
+        by which the numbers of this truth carry their own derivatives (dual.py).
+        """
+        n = whole(t)
+        flat = self.proved(lambda: flattened(self.values(n), count))
+        return unflattened(flat, count)
+
+    def proved(self, formula: Callable[[], dict[str, arb]]) -> dict[str, Ball]:
+        """The balls of a formula of exact times, which more bits always make small enough."""
         target = min(Fraction(1), *self.scale.values()) / 10**self.digits
-        balls = refined(lambda: self.values(n), target)
+        balls = refined(formula, target)
         assert balls is not None
         return balls
 

@@ -14,6 +14,7 @@ from fractions import Fraction
 from flint import arb, arb_mat
 
 from refdem.truth.balls import arb_of
+from refdem.truth.dual import ball
 from refdem.truth.maps.iterated import BoundaryError, Iterated, Stepped
 from refdem.truth.refiner import Size
 
@@ -88,7 +89,7 @@ class Stadium(Stepped, Iterated):
         # where that begins.
         if not (v > 0 or v < 0):
             side = sign(u, "corner")
-            sign(r - abs(y + v * (side * a - x) / u), "corner")
+            sign(r - abs(ball(y + v * (side * a - x) / u)), "corner")
             return ARC, side
         if v > 0:
             up = 1
@@ -98,7 +99,7 @@ class Stadium(Stepped, Iterated):
         x_on_line = x + (up * r - y) * u / v
         if self.half == 0:
             return ARC, sign(x_on_line, "corner")
-        inside = a - abs(x_on_line)
+        inside = a - abs(ball(x_on_line))
         if sign(inside, "corner") > 0:
             return (WALL, up)
         return (ARC, sign(x_on_line, "corner"))

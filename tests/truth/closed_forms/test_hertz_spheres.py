@@ -12,6 +12,7 @@ from refdem.errors import NotCertifiedError
 from refdem.truth import power_contact
 from refdem.truth.balls import arb_of, precision
 from refdem.truth.closed_forms import hertz_spheres
+from refdem.truth.dual import ExactDual, slopes_of
 from refdem.truth.witnesses.collisions import hertz
 
 DURATION = "0.153880247344514071370671723018128071"
@@ -32,6 +33,30 @@ w^5) solved for w = sqrt(overlap).
 
 def at(**given):
     return discovery.case("hertz-spheres").at(**given)
+
+
+def test_a_contact_that_starts_with_an_overlap_has_the_derivatives_of_differences():
+    """By mass, stiffness, overlap and speed: of the time of its touch, and of a state after it."""
+    start = (Fraction(2), Fraction(900), Fraction(1, 200), Fraction(3, 4))
+    step = Fraction(1, 10**30)
+
+    def found(mass, stiffness, overlap, speed):
+        """The time of touch, overlap and rate 1/50 s after the start."""
+        law = (mass, stiffness, hertz_spheres.HERTZ, overlap, speed)
+        contact, touch = power_contact.touching(*law)
+        return [touch, *contact.state(arb_of(Fraction(1, 50)) - touch)]
+
+    dual = [ExactDual(x, [int(i == j) for j in range(4)]) for i, x in enumerate(start)]
+    with precision(400):
+        slopes = [slopes_of(value) for value in found(*dual)]
+        for i in range(4):
+            ahead, behind = (
+                found(*(x + sense * step * (i == j) for j, x in enumerate(start)))
+                for sense in (1, -1)
+            )
+            for row, above, below in zip(slopes, ahead, behind, strict=True):
+                difference = (above - below) / arb_of(2 * step)
+                assert abs(difference - row[i]) < 1e-40
 
 
 def test_states_and_duration_are_those_of_quadrature_with_mpmath():
