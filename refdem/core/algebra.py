@@ -1,5 +1,5 @@
 """The operations of algebra that an Identity may ask for, with the sizes of their operands and of
-their result: rotations, degrees of freedom, bifurcations.
+their result: rotations, degrees of freedom, bifurcations, Poincare sections.
 
 Matrices (9) are row by row and map body vectors to space; quaternions (4) are (w, x, y, z); angles
 are in radians. Numbers in brackets are the equations of the source chapter.
@@ -95,6 +95,11 @@ SIZES: dict[str, tuple[tuple[int, ...], int]] = {
     "two-cycle": ((1,), 2),
     # n = 0, 1, 2: the eta at which the map's cycle of 2^n iterates doubles its period
     "doubling-point": ((1,), 1),
+    # Of a unit mass on a unit spring that rubs on a belt (1.125): (a, mu0, mu1, lambda0, lambda1),
+    # the power of the last term of mu, (belt, gamma, eta), (x, v) at the start, n: place and
+    # velocity after n periods of the drive; time and place of the n-th passage of v = 0, x > 0
+    "belt-strobe": ((5, 1, 3, 2, 1), 2),
+    "belt-passage": ((5, 1, 3, 2, 1), 2),
 }
 
 COUNTING_OPERANDS: dict[str, tuple[int, ...]] = {
@@ -103,6 +108,8 @@ COUNTING_OPERANDS: dict[str, tuple[int, ...]] = {
     "cosine-by-recurrence": (1,),
     "cosine-by-powers": (1,),
     "doubling-point": (0,),
+    "belt-strobe": (1, 4),
+    "belt-passage": (1, 4),
 }
 """Places of the operands that count or name something (a dimension, points of a rod, a multiple)
 instead of measuring it: they have no last digit that a rounding could move.

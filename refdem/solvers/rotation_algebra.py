@@ -1,5 +1,5 @@
-"""Rotation algebra, degrees of freedom and bifurcations by the functions of `mechanics`: the
-answers to questions without time.
+"""Rotation algebra, degrees of freedom and bifurcations by the functions of `mechanics`, and points
+of sections by a motion: the answers to questions without time.
 """
 
 from collections.abc import Callable
@@ -17,6 +17,7 @@ from refdem.mechanics import freedom, koenig, response, rotation
 from refdem.mechanics.multiple_angle import cosine_by_powers, cosine_by_recurrence
 from refdem.mechanics.period_doubling import doubling_point, two_cycle
 from refdem.mechanics.quaternion import conjugate, matrix, product, rotated
+from refdem.solvers import _belt_points
 from refdem.solvers.solver import Solver
 
 Array = NDArray[np.float64]
@@ -187,6 +188,8 @@ ANSWERS: dict[str, Callable[..., Any]] = {
     "lower-fold": lambda spring, force: fold("lower", spring, force),
     "upper-fold": lambda spring, force: fold("upper", spring, force),
     "two-cycle": lambda eta: two_cycle(eta[0]),
+    "belt-strobe": _belt_points.strobe,
+    "belt-passage": _belt_points.passage,
     "doubling-point": lambda doublings: doubling_point(int(doublings[0])),
 }
 """The function that computes each operation of core.algebra."""

@@ -11,8 +11,8 @@ from refdem.errors import UsageError
 from refdem.mechanics import freedom, koenig, mass_properties, quaternion, rotation
 from refdem.planning.in_process import record_of, task_of, truth_of
 from refdem.scene.shapes import Polyhedron
+from refdem.solvers import _belt_points, rotation_algebra
 from refdem.solvers import mass_properties as solid_solver
-from refdem.solvers import rotation_algebra
 
 
 def failures(method, case, **given):
@@ -30,6 +30,18 @@ def spoilt(monkeypatch, place, name, change):
         monkeypatch.setitem(place, name, change(place[name]))
     else:
         monkeypatch.setattr(place, name, change(getattr(place, name)))
+
+
+def at_end_of_step(scene, time):
+    """Time and place at the end of the step of 1/64 s in which a passage lies."""
+    end = np.ceil(64 * time) / 64
+    places, _ = _belt_points.states(scene, np.array([0.0, end]))
+    return float(end), float(places[1])
+
+
+def of_other_half(time, place):
+    """A passage with x < 0 in place of one with x > 0."""
+    return time, -place
 
 
 ROTATION_FAULTS = {
@@ -309,6 +321,41 @@ ROTATION_FAULTS = {
         lambda f: lambda m, r, omega: sum(f(m, r, axis) for axis in np.diag(omega)),
         "rotations",
         "tensor-energy",
+    ),
+    "a section a quarter of a period late": (
+        rotation_algebra.ANSWERS,
+        "belt-strobe",
+        lambda f: lambda *given: f(*given[:-1], given[-1] + 0.25),
+        "poincare-sections",
+        "strobe-1.0",
+    ),
+    "passages where x < 0, at mirrored places": (
+        _belt_points,
+        "passed",
+        lambda f: lambda *given: of_other_half(*f(*given)),
+        "poincare-sections",
+        "passage-1.1",
+    ),
+    "passages of the whole plane v = 0": (
+        _belt_points,
+        "passed",
+        lambda f: lambda *given: (f(*given)[0], abs(f(*given)[1])),
+        "poincare-sections",
+        "passage-2.0",
+    ),
+    "the place where the step ends that passes v = 0": (
+        _belt_points,
+        "passed",
+        lambda f: lambda scene, drive, time: at_end_of_step(scene, f(scene, drive, time)[0]),
+        "poincare-sections",
+        "passage-1.1",
+    ),
+    "the time where the chord of a step is zero": (
+        _belt_points,
+        "passed",
+        lambda f: lambda scene, drive, time: (time, f(scene, drive, time)[1]),
+        "poincare-sections",
+        "passage-1.0",
     ),
     "mirror as a turn": (
         rotation_algebra,

@@ -194,6 +194,8 @@ def test_directions_of_a_scene_are_those_of_its_speeds_links_and_loads():
 
 R = np.sqrt(0.5)
 QUARTER = np.array([R, 0.0, 0.0, R])
+BELT = ([1.0, 0.5, 0.5, 0.0, 0.0], [1.0], [10.0, 0.0, 2.0], [1.0, 0.0])
+"""A mass that slips all the time on a belt of 10 m/s, without a drive, from x = 1 at rest."""
 EXACT = {
     "plane-turn": (([np.pi / 2], [1.0, 2.0]), [-2.0, 1.0]),
     "complex-turn": (([np.pi / 2], [1.0, 2.0]), [-2.0, 1.0]),
@@ -273,6 +275,9 @@ EXACT = {
     "upper-fold": (([0.5, 4 / 3, 0.25], [np.sqrt(0.5)]), [np.sqrt(7.0) / 2, 1.0]),
     "two-cycle": (([3.2],), [(4.2 + np.sqrt(0.84)) / 6.4, (4.2 - np.sqrt(0.84)) / 6.4]),
     "doubling-point": (([1.0],), [1 + np.sqrt(6.0)]),
+    # Friction 1/2 at any speed below that of the belt, which balances the steady pull: x = cos t.
+    "belt-strobe": ((*BELT, [1.0]), [-1.0, 0.0]),
+    "belt-passage": ((*BELT, [2.0]), [4 * np.pi, 1.0]),
 }
 
 

@@ -127,6 +127,7 @@ TIMELESS = {
         " multiple"
     ),
     "quaternions": "p q r vector omega rise",
+    "poincare-sections": "a mu0 mu1 lambda0 lambda1 friction_law belt gamma eta x0 v0",
     "bifurcations": "amplitude alpha beta delta f0 eta",
 }
 SELECTIONS = {"time-reversal", "lyapunov"}

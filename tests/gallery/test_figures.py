@@ -338,6 +338,18 @@ def test_the_return_map_of_the_belt_fills_intervals_and_that_of_the_logistic_map
     assert abs(in_plane - 0.538045) < 3 * logistic["standard error of this"] < 0.1
 
 
+def test_pairs_tell_the_fractal_from_the_belt():
+    belt = figure("1.31").numbers
+    for motion in ("gamma = 0.5, quadratic law", "gamma = 2, linear law"):
+        what = f"correlation dimension at eta = 1.22, {motion}"
+        large = belt[f"{what}, of distances from 1/8 to 1/128"]
+        assert large < belt[f"{what}, from 1/128 to 1/2048"] < 1
+        assert belt[f"{what}, of points (x, next x)"] > 0.8
+    logistic = figure("1.32").numbers
+    value = next(number for what, number in logistic.items() if "Procaccia" in what)
+    assert abs(value - 0.500) < 3 * logistic["standard error of that"] < 0.05
+
+
 def test_orders_of_summation_turn_bodies_apart_at_the_rate_of_eulers_equations():
     numbers = figure("summation-order").numbers
     rate = numbers["rate at which their angles grow [1/s]"]

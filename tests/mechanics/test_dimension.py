@@ -1,18 +1,25 @@
-"""Box dimensions of sets that have one on paper, and of two return maps: that of the stick-slip
-oscillator fills intervals, and a curve of the plane, that of the logistic map at the end of its
-doublings is a fractal.
+"""Box and correlation dimensions of sets that have one on paper, and of two return maps: that of
+the stick-slip oscillator fills intervals, and a curve of the plane, that of the logistic map at the
+end of its doublings is a fractal.
 """
 
 import numpy as np
 import pytest
 
-from refdem.gallery.belt import section
-from refdem.mechanics.dimension import box_counts, box_dimension, return_map
+from refdem.gallery.belt import CHAOTIC, section
+from refdem.mechanics.dimension import (
+    box_counts,
+    box_dimension,
+    correlation_counts,
+    correlation_dimension,
+    return_map,
+)
 
 RNG = np.random.default_rng(38)
 COUNT = 2**16
 ACCUMULATION = 3.569945671870945
 """eta at which the logistic map has doubled its period without end (Feigenbaum 1978)."""
+PAIRED = 2**13
 FEIGENBAUM_SET = 0.538045
 """Dimension of the set that it then visits (Grassberger 1981)."""
 
@@ -129,3 +136,64 @@ def test_that_of_the_stick_slip_oscillator_fills_an_interval(eta, given, regime,
     # In the plane each is a curve, of which a place alone decides the next one.
     value, error = box_dimension(return_map(places), 5, 9)
     assert abs(value - 1) < 3 * error < 0.1
+
+
+def test_pairs_are_counted_once_and_coinciding_points_are_pairs(monkeypatch) -> None:
+    points = np.array([0.0, 0.1, 0.3, 0.3, 1.0])
+    # Distances 0, 0.1, 0.2, 0.2, 0.3, 0.3, 0.7, 0.7, 0.9, 1: fewer than 2^-k of them.
+    expected = [9, 6, 4, 2, 1]
+    assert correlation_counts(points, range(5)).tolist() == expected
+    plane = np.column_stack((points, np.zeros(5)))
+    assert correlation_counts(plane, range(5)).tolist() == expected
+    monkeypatch.setattr("refdem.mechanics.dimension.AT_ONCE", 10)
+    assert correlation_counts(points, range(5)).tolist() == expected
+
+
+def test_a_line_has_correlation_dimension_one_and_a_square_two() -> None:
+    draws = np.random.default_rng(83)
+    value, error = correlation_dimension(draws.uniform(size=PAIRED), 7, 12)
+    assert abs(value - 1) < 3 * error < 0.03
+    value, error = correlation_dimension(draws.uniform(size=(PAIRED, 2)), 4, 8)
+    assert abs(value - 2) < 3 * error < 0.06
+    # Near the ends pairs lack: along each axis there are 2 r - r^2 of them closer than r.
+    near_and_far = np.array([2.0**-8, 2.0**-4])
+    expected = 2 * np.diff(np.log2(2 * near_and_far - near_and_far**2)) / 4
+    assert abs(value - expected) < 2 * error
+
+
+def test_cantors_set_has_the_correlation_dimension_ln_2_over_ln_3() -> None:
+    digits = 2 * np.random.default_rng(83).integers(2, size=(PAIRED, 30))
+    value, error = correlation_dimension(digits @ 3.0 ** -np.arange(1, 31), 2, 15)
+    assert abs(value - np.log(2) / np.log(3)) < 3 * error < 0.1
+
+
+def test_cantors_set_of_unequal_weights_has_less_than_its_boxes() -> None:
+    """With weights p and 1 - p of its halves: ln(p^2 + (1 - p)^2)/ln(1/3)."""
+    digits = 2 * (np.random.default_rng(83).uniform(size=(PAIRED, 30)) < 0.8)
+    points = digits @ 3.0 ** -np.arange(1, 31)
+    value, error = correlation_dimension(points, 2, 15)
+    expected = np.log(0.8**2 + 0.2**2) / np.log(1 / 3)
+    assert abs(value - expected) < 3 * error < 0.15
+    assert value + 3 * error < np.log(2) / np.log(3)
+
+
+def test_the_correlation_dimension_of_the_logistic_map_is_that_of_grassberger_and_procaccia() -> (
+    None
+):
+    """0.500 +- 0.005 (Grassberger and Procaccia 1983), below the 0.538 of boxes."""
+    value, error = correlation_dimension(logistic(ACCUMULATION, PAIRED), 4, 18)
+    assert abs(value - 0.500) < 3 * error + 0.005
+    assert value + 3 * error < FEIGENBAUM_SET
+    of_cycle, error = correlation_dimension(logistic(3.5, PAIRED), 4, 16)
+    assert of_cycle == 0.0
+    assert error < 1e-4
+
+
+@pytest.mark.parametrize("given", [CHAOTIC, {}])
+def test_the_correlation_dimension_of_the_belt_rises_to_one_as_distances_fall(given) -> None:
+    """Passages crowd where the density has a root: 1 - 1/log(1/r), which no fractal has."""
+    (places,) = section(np.array([1.22]), skip=200, keep=2 * PAIRED, **given).places
+    coarse, _ = correlation_dimension(places[:PAIRED], 3, 7)
+    fine, error = correlation_dimension(places[:PAIRED], 7, 11)
+    assert coarse + 0.04 < fine < 1 + 3 * error
+    assert fine > 0.8

@@ -30,6 +30,7 @@ NOT_ATTACKED = {
     "bifurcations": "no time",
     "block-on-slope": "its start is rest, and no parameter",
     "degrees-of-freedom": "no time",
+    "poincare-sections": "no time",
     "granular-gas": "a law of means",
     "moments-of-inertia": "no time",
     "newtons-first-law": "its scales and its motion are those of a uniform motion",

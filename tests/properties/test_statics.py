@@ -50,6 +50,11 @@ STATICS = {
         {"p": "1e5,2,3,4", "q": "-1,2,3,1e-3", "omega": "0.001,2,3"},
         {"q": "1,-100,50,2"},
     ],
+    "poincare-sections": [
+        {},
+        {"friction_law": "quadratic", "gamma": "1/2", "eta": "6/5", "x0": "0", "v0": "0"},
+        {"eta": "3/2", "x0": "3", "v0": "-2", "belt": "1/2"},
+    ],
     "bifurcations": [
         {},
         {"delta": "1/5", "eta": "4"},
@@ -64,6 +69,7 @@ ANSWERS = {
     "rotations": ["rotation-algebra"],
     "quaternions": ["rotation-algebra"],
     "bifurcations": ["rotation-algebra"],
+    "poincare-sections": ["rotation-algebra"],
 }
 MUJOCO = [
     ("moments-of-inertia", "compiler"),

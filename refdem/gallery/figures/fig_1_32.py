@@ -6,7 +6,7 @@ import numpy as np
 
 from refdem.core.figure import GREY, Axis, Figure, Panel, Series
 from refdem.gallery.iterates import late, remember_run
-from refdem.mechanics.dimension import box_dimension, return_map
+from refdem.mechanics.dimension import box_dimension, correlation_dimension, return_map
 
 WINDOWS = (((2.8, 4.0), (0.0, 1.0)), ((3.44, 3.63), (0.32, 0.62)), ((3.54, 3.5875), (0.455, 0.555)))
 """eta and x of the whole, of the middle branch from its second doubling on, and of the middle
@@ -14,6 +14,8 @@ branch of that.
 """
 ACCUMULATION = 3.569945671870945
 """eta at which the period has doubled without end (Feigenbaum 1978)."""
+PAIRED = 2**13
+"""Iterates whose pairs are all counted, 34 million."""
 COLUMNS = 380
 """Values of eta across the picture: one for each of its pixels, about."""
 
@@ -46,6 +48,7 @@ def figure() -> Figure:
     settled = late(ACCUMULATION, chunks=256)
     dimension, error = box_dimension(settled, 4, 14)
     in_plane, error_in_plane = box_dimension(return_map(settled), 4, 14)
+    of_pairs, error_of_pairs = correlation_dimension(settled[:PAIRED], 4, 18)
     filled, _ = box_dimension(late(4.0, chunks=256), 2, 8)
     numbers = {
         "least of 1032 iterates at eta = 4": float(chaotic.min()),
@@ -54,6 +57,8 @@ def figure() -> Figure:
         "its standard error": error,
         "box dimension of the points (x, next x) there": in_plane,
         "standard error of this": error_in_plane,
+        "correlation dimension there (Grassberger and Procaccia 1983: 0.500)": of_pairs,
+        "standard error of that": error_of_pairs,
         "box dimension at eta = 4": filled,
     }
     return Figure(

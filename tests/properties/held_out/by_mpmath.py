@@ -21,6 +21,7 @@ from tests.properties.held_out.mpmath_motions import (
     torqued,
     undamped,
 )
+from tests.properties.held_out.mpmath_sections import sections
 from tests.properties.held_out.mpmath_tools import FOUND, case, f
 
 POINTS = "0,0,0,2,1/2,-1,1,3,1/4,-1,5/4,3,2,-3/2,1/2"
@@ -394,6 +395,7 @@ if __name__ == "__main__":
         impacts,
         statics,
         bifurcations,
+        sections,
         solids,
     ):
         family()

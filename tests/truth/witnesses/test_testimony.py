@@ -48,7 +48,14 @@ def test_every_case_has_a_witness_and_every_set_was_confirmed_by_it() -> None:
 
 @pytest.mark.parametrize(
     "case",
-    ["bifurcations", "degrees-of-freedom", "moments-of-inertia", "quaternions", "rotations"],
+    [
+        "bifurcations",
+        "degrees-of-freedom",
+        "moments-of-inertia",
+        "poincare-sections",
+        "quaternions",
+        "rotations",
+    ],
 )
 def test_what_has_no_time_is_confirmed_to_the_last_value(case: str) -> None:
     for one in load(case):

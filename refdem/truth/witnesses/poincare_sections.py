@@ -1,0 +1,89 @@
+"""Witness of the sections of the mass on a belt: its motion phase by phase, read at n periods of
+the drive, and by a scan and the secant where v = 0 with x > 0.
+"""
+
+from collections.abc import Iterator, Mapping, Sequence
+from fractions import Fraction
+from functools import partial
+
+from flint import arb
+
+from refdem.core.parameters import Exact
+from refdem.truth.balls import arb_of
+from refdem.truth.exact import number
+from refdem.truth.witnesses.stick_slip import NAMES, SCAN, Law
+from refdem.truth.witnesses.taylor import Solution
+from refdem.truth.witnesses.testimony import Claimed, Said, Witness
+
+METHOD = (
+    "Taylor integration of slips, passages by a scan and the secant"
+    " (refdem/truth/witnesses/poincare_sections.py)"
+)
+MOST_PERIODS = 16
+"""Periods in which points are looked for, of drive or spring, whichever is longer."""
+
+
+def sections(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claimed) -> Said:
+    """The points of both sections that are claimed."""
+    law = Law(
+        {name: arb_of(number(p, name)) for name in NAMES}, linear=p["friction_law"] == "linear"
+    )
+    asked = {name.partition(".")[0] for name in claimed}
+    period = 2 * arb.pi() / law.e["eta"]
+    strobes = [period * n for n in range(1, 1 + len([x for x in asked if "strobe" in x]))]
+    passages: list[tuple[arb, arb]] = []
+    points: dict[str, tuple[arb, arb]] = {}
+    due = list(enumerate(strobes, start=1))
+    start = (arb_of(number(p, "x0")), arb_of(number(p, "v0")))
+    last = Fraction(float(period * MOST_PERIODS * law.e["eta"].max(arb(1))))
+    for phase, side, begin, end in phases(law, start, last):
+        while due and (end is None or due[0][1] < end):
+            n, t = due.pop(0)
+            x, v = phase.at(t)
+            points[f"strobe-{n}"] = (x, v)
+        if side and end is not None:
+            passages += rests(phase, float(begin), float(end))
+        missing = asked - points.keys() - {f"passage-{n}" for n in range(1, 1 + len(passages))}
+        if not missing:
+            break
+    points |= {f"passage-{n}": point for n, point in enumerate(passages, start=1)}
+    said: dict[str, arb] = {}
+    for name in asked & points.keys():
+        said |= {f"{name}.{i}": value for i, value in enumerate(points[name])}
+    yield None, said
+
+
+def phases(
+    law: Law, start: tuple[arb, arb], last: Fraction
+) -> Iterator[tuple[Solution, int, arb, arb | None]]:
+    """Every slip and stick with its side, its begin and its end (None: after `last` [s])."""
+    begin: arb | None = arb(0)
+    x, v = start
+    while begin is not None:
+        side = law.side(begin, x, v)
+        phase = Solution(partial(law.rates, side), [x, v], begin=begin)
+        end = law.end(phase, side, begin, last)
+        yield phase, side, begin, end
+        if end is not None:
+            (x, v) = (phase.at(end)[0], law.e["belt"])
+        begin = end
+
+
+def rests(phase: Solution, begin: float, end: float) -> list[tuple[arb, arb]]:
+    """Times and places at which v = 0 with x > 0 in a slip, after its begin."""
+    found = []
+    count = 1 + int((end - begin) / SCAN)
+    grid = [begin + (end - begin) * k / count for k in range(count + 1)]
+    speeds = [phase.at(Fraction(t))[1] for t in grid]
+    for k in range(len(grid) - 1):
+        if not speeds[k] * speeds[k + 1] < 0:
+            continue
+        half = (grid[k + 1] - grid[k]) / 2
+        time = phase.crossing(lambda y: y[1], grid[k] + half, half)
+        place = phase.at(time)[0]
+        if place > 0:
+            found.append((time, place))
+    return found
+
+
+WITNESSES = {"poincare-sections": Witness(METHOD, sections)}
