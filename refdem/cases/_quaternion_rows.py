@@ -51,7 +51,52 @@ def _algebra_rows(p: Parameters) -> list[Row]:
         ("element-j", "complex-eigenvalue", [[0.0, *Y]]),
         ("element-k", "complex-eigenvalue", [[0.0, *Z]]),
     ]
-    return products + inverses + matrices
+    return products + inverses + matrices + _rule_rows(p) + _complex_rows(p)
+
+
+def _rule_rows(p: Parameters) -> list[Row]:
+    """Products of the basis elements, both sides of the rules for conjugates, and what a product by
+    a unit quaternion keeps.
+    """
+    a = p.p.tolist()
+    b = p.q.tolist()
+    c = p.r.tolist()
+    elements = {"i": [0.0, *X], "j": [0.0, *Y], "k": [0.0, *Z]}
+    basis: list[Row] = [
+        (f"{left}-{right}", "product", [elements[left], elements[right]])
+        for left in elements
+        for right in elements
+    ]
+    conjugates: list[Row] = [
+        ("p-conjugate", "conjugate", [a]),
+        ("q-conjugate", "conjugate", [b]),
+        ("conjugate-twice", "conjugate", ["q-conjugate"]),
+        ("sum-of-conjugates", "sum", ["p-conjugate", "q-conjugate"]),
+        ("product-of-conjugates", "product", ["q-conjugate", "p-conjugate"]),
+        ("by-conjugate", "product", [b, "q-conjugate"]),
+        ("conjugate-by", "product", ["q-conjugate", b]),
+    ]
+    lengths: list[Row] = [
+        ("u-r", "product", ["u", c]),
+        ("u-r-absolute", "absolute", ["u-r"]),
+        ("r-absolute", "absolute", [c]),
+    ]
+    return basis + conjugates + lengths
+
+
+def _complex_rows(p: Parameters) -> list[Row]:
+    """Complex numbers, which are the quaternions along 1 and I: with z = w + i x of p and y = 1 + i
+    v_x, the product z y, |y|, the quotient z/y, and i z, a quarter turn.
+    """
+    z = [*p.p.tolist()[:2], 0.0, 0.0]
+    y = [1.0, p.vector.tolist()[0], 0.0, 0.0]
+    return [
+        ("complex-z-y", "product", [z, y]),
+        ("complex-absolute", "absolute", [y]),
+        ("complex-inverse", "inverse", [y]),
+        ("complex-quotient", "product", [z, "complex-inverse"]),
+        ("complex-i-z", "product", [[0.0, *X], z]),
+    ]
 
 
 def _rotation_rows(p: Parameters) -> list[Row]:
@@ -59,7 +104,12 @@ def _rotation_rows(p: Parameters) -> list[Row]:
     u1 = p/|p| and u2 = u one after the other.
     """
     v = p.vector.tolist()
+    pure = [0.0, *v]
     return [
+        ("pure-conjugate", "conjugate", [pure]),
+        ("pure-product", "product", [pure, [0.0, *p.omega.tolist()]]),
+        # Without u* from the right it is no vector: its scalar part is not 0.
+        ("one-sided", "product", ["u", pure]),
         ("rotated", "rotated", ["u", v]),
         ("-u", "negative", ["u"]),
         ("rotated-by-minus-u", "rotated", ["-u", v]),
@@ -103,6 +153,7 @@ PRODUCTS = (
     "conjugate-of-product",
     "real-product",
     "complex-product",
+    "product-of-conjugates",
 )
 """Results of the size |p| |q|."""
 RATES = (
@@ -131,8 +182,13 @@ def sizes(p: Parameters) -> dict[str, float]:
     omega = _size(p.omega)
     rise = _size(p.rise)
     magnitudes = dict.fromkeys(PRODUCTS, a * b)
-    magnitudes |= dict.fromkeys(("sum", "conjugate-of-sum"), a + b)
-    magnitudes |= dict.fromkeys(("absolute", "complex-eigenvalue"), b)
+    magnitudes |= dict.fromkeys(("sum", "conjugate-of-sum", "sum-of-conjugates"), a + b)
+    of_q = ("absolute", "complex-eigenvalue", "q-conjugate", "conjugate-twice")
+    magnitudes |= dict.fromkeys(of_q, b)
+    magnitudes["p-conjugate"] = a
+    magnitudes |= dict.fromkeys(("by-conjugate", "conjugate-by"), b * b)
+    magnitudes |= dict.fromkeys(("u-r", "u-r-absolute", "r-absolute"), c)
+    magnitudes |= _sizes_of_complex(p)
     magnitudes["q-r"] = b * c
     magnitudes |= dict.fromkeys(("left", "right"), a * b * c)
     magnitudes["inverse"] = 1 / b
@@ -140,12 +196,27 @@ def sizes(p: Parameters) -> dict[str, float]:
     two_rotations = ("rotated-in-turn", "rotated-at-once", "rotated-in-other-order")
     magnitudes |= dict.fromkeys(("rotated-twice", *two_rotations), 4 * v)
     magnitudes["rotated-by-u1"] = 2 * v
+    magnitudes |= dict.fromkeys(("pure-conjugate", "one-sided"), v)
+    magnitudes["pure-product"] = v * omega
     magnitudes["pauli-vector"] = v
     magnitudes |= dict.fromkeys(RATES, omega)
     # u'' = (rise u)/2 - omega^2 u/4.
     magnitudes["second-rate"] = rise + omega * omega
     magnitudes["euler"] = float(np.pi) * steepness(p)
     return magnitudes
+
+
+def _sizes_of_complex(p: Parameters) -> dict[str, float]:
+    """The magnitudes of the complex numbers and of what is made of them."""
+    z = _size(p.p[:2])
+    y = float(np.hypot(1.0, p.vector[0]))
+    return {
+        "complex-z-y": z * y,
+        "complex-absolute": y,
+        "complex-inverse": 1 / y,
+        "complex-quotient": z / y,
+        "complex-i-z": z,
+    }
 
 
 def _size(value: Any) -> float:

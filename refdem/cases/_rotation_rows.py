@@ -48,6 +48,9 @@ def _plane_rows(p: Parameters) -> list[Row]:
     v = p.vector.tolist()
     return [
         ("plane-turn", "plane-turn", [angle, v]),
+        ("plane-clockwise", "plane-turn", [[-p.angle], v]),
+        # A turn back is the transpose of the turn, and undoes it.
+        ("plane-turned-back", "plane-turn", [[-p.angle], "plane-turn"]),
         ("complex-turn", "complex-turn", [angle, v]),
         ("plane-eigenvalue", "plane-eigenvalue", [angle]),
         ("plane-determinant", "plane-determinant", [angle]),
@@ -100,7 +103,7 @@ def _euler_rows(p: Parameters) -> list[Row]:
     omega = p.omega.tolist()
     # The same angles close to theta = 0, where their rates diverge.
     near = [euler[0], p.near, euler[2]]
-    return [
+    angles: list[Row] = [
         ("euler-matrix", "matrix-of-euler", [euler]),
         ("euler-back", "euler-of-matrix", ["euler-matrix"]),
         ("euler-quaternion", "quaternion-of-euler", [euler]),
@@ -112,11 +115,40 @@ def _euler_rows(p: Parameters) -> list[Row]:
         ("rate-inverse", "euler-rate-inverse", [euler]),
         ("rate-one", "matrix-product", ["rate-inverse", "rate-matrix"]),
     ]
+    return angles + _euler_by_turns(p)
+
+
+def _euler_by_turns(p: Parameters) -> list[Row]:
+    """The matrix of Euler angles as a product of three turns, its inverse as that of the opposite
+    turns in the opposite order, its transpose; and a point that is carried there and back.
+    """
+    phi, theta, psi = p.euler.tolist()
+    there: list[Row] = [
+        ("turn-phi", "turn-about", [Z, [phi]]),
+        ("turn-theta", "turn-about", [X, [theta]]),
+        ("turn-psi", "turn-about", [Z, [psi]]),
+        ("turn-phi-theta", "matrix-product", ["turn-phi", "turn-theta"]),
+        ("euler-by-turns", "matrix-product", ["turn-phi-theta", "turn-psi"]),
+    ]
+    back: list[Row] = [
+        ("turn-phi-back", "turn-about", [Z, [-phi]]),
+        ("turn-theta-back", "turn-about", [X, [-theta]]),
+        ("turn-psi-back", "turn-about", [Z, [-psi]]),
+        ("turn-psi-theta-back", "matrix-product", ["turn-psi-back", "turn-theta-back"]),
+        ("euler-inverse", "matrix-product", ["turn-psi-theta-back", "turn-phi-back"]),
+        ("euler-transposed", "transpose", ["euler-by-turns"]),
+    ]
+    point = p.shifts.tolist()[:3]
+    carried: list[Row] = [
+        ("euler-carried", "matrix-vector", ["euler-by-turns", point]),
+        ("euler-carried-back", "matrix-vector", ["euler-transposed", "euler-carried"]),
+    ]
+    return there + back + carried
 
 
 def _energy_rows(p: Parameters) -> list[Row]:
     """Rotational energies of a unit inertia for omega = 2 pi f and for omega = f, and the square of
-    the velocity omega x r of a point of a body at r, the first of the shifts, in two ways.
+    the velocity omega x r of a point of a body at r, the first of the shifts, in three ways.
     """
     unit_inertia = [1.0]
     omega = p.omega.tolist()
@@ -128,6 +160,9 @@ def _energy_rows(p: Parameters) -> list[Row]:
         ("swept", "cross", [omega, arm]),
         ("swept-square", "vector-dot", ["swept", "swept"]),
         ("swept-by-products", "cross-square", [omega, arm]),
+        # r x (omega x r) = (r^2 1 - r r) omega, and omega . that.
+        ("swept-twice", "cross", [arm, "swept"]),
+        ("swept-by-triple", "vector-dot", [omega, "swept-twice"]),
     ]
 
 
@@ -149,15 +184,21 @@ def sizes(p: Parameters) -> dict[str, float]:
     }
     arm = float(np.linalg.norm(p.shifts[:3]))
     swept = {"swept": omega * arm}
-    swept |= dict.fromkeys(("swept-square", "swept-by-products"), 2 * (omega * arm) ** 2)
+    squares = ("swept-square", "swept-by-products", "swept-by-triple")
+    swept |= dict.fromkeys(squares, 2 * (omega * arm) ** 2)
+    swept["swept-twice"] = omega * arm**2
+    carried = dict.fromkeys(("euler-carried", "euler-carried-back"), arm)
     energies = {"energy": energy, "frequency-energy": energy, "energy-ratio": 40.0}
     return {
         "plane-turn": v,
+        "plane-clockwise": v,
+        "plane-turned-back": v,
         "complex-turn": v,
         "mirror": v,
         **rates,
         **energies,
         **swept,
+        **carried,
         "euler-back": np.pi * steep,
         **_sizes_of_cosines(p),
         **_sizes_of_shifts(p),

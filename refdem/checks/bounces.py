@@ -1,7 +1,10 @@
-"""Bounces of a billiard: speed is conserved, each bounce lies on the wall, and each new direction
-points inwards.
+"""Bounces of a billiard: speed is conserved, each bounce lies on the wall, each new direction
+points inwards and is the mirror image of the one before; in a rectangle |vx| and |vy| are kept.
 
-Each bounce is tested by itself, so chaos does not matter: all of the run is judged.
+Each bounce is tested by itself, so chaos does not matter: all of the run is judged. With the normal
+n of the wall a direction u becomes u - 2 (n . u) n (1.6.4). Where every n is an axis, one component
+changes its sign and the other nothing: |u_x| and |u_y| are those of the start, after any number of
+bounces, but for a rounding at each.
 """
 
 from collections.abc import Mapping
@@ -11,7 +14,7 @@ import numpy as np
 from refdem.core.check import Array, Check, CompletedRun, Subject
 from refdem.core.finding import Finding
 from refdem.core.judgement import worst
-from refdem.core.maps import Billiard, StadiumBilliard
+from refdem.core.maps import Billiard, RectangleBilliard, StadiumBilliard
 from refdem.core.problem import Iteration
 from refdem.core.refinement import ROUND_OFF_FACTOR
 from refdem.core.variant import Variant
@@ -24,6 +27,10 @@ BASIS = (
     "each bounce is tested from the previous one alone, so errors do not"
     " accumulate: a few roundings are allowed"
 )
+KEPT_BASIS = (
+    "every wall is parallel to an axis, so a reflection changes the sign of one component and"
+    " nothing else: a few roundings are allowed at each"
+)
 
 
 class Bounces(Check):
@@ -34,7 +41,7 @@ class Bounces(Check):
     judges = (Iteration,)
     kills = (
         "an incorrect reflection, a wall in the wrong place, a direction vector"
-        " that loses its length over many bounces"
+        " that loses its length over many bounces, a rectangle that turns paths a little"
     )
 
     def applies(self, subject: Subject) -> str | None:
@@ -49,8 +56,8 @@ class Bounces(Check):
         return (subject.finest,)
 
     def judge(self, subject: Subject, runs: Mapping[Variant, CompletedRun]) -> list[Finding]:
-        """Three findings: |direction| = 1, distance of the bounce from the wall, and direction .
-        normal <= 0.
+        """Four findings: |direction| = 1, distance of the bounce from the wall, direction . normal
+        <= 0, and the law of reflection. In a rectangle two more: |direction| along each axis.
         """
         problem = subject.instance.problem
         run = runs[subject.finest].trajectory
@@ -59,6 +66,7 @@ class Bounces(Check):
         position = run.values["position"][1:]
         direction = run.values["direction"][1:]
         distance, normal = wall(problem.map, position)
+        round_off = ROUND_OFF_FACTOR * subject.method.round_off
         measured = {
             "speed": (
                 np.abs(np.hypot(*direction.T) - 1),
@@ -73,19 +81,73 @@ class Bounces(Check):
                 "The component of a direction vector that points out of the table",
             ),
         }
-        return [
+        found = [
             worst(
                 check=self.name,
                 quantity=name,
                 t=run.t[1:],
                 values=values,
-                allowed=ROUND_OFF_FACTOR * subject.method.round_off,
+                allowed=round_off,
                 unit="1",
                 basis=BASIS,
                 what=what,
             )
             for name, (values, what) in measured.items()
         ]
+        before = np.vstack((problem.start[2:], direction[:-1]))
+        follows = np.diff(run.t) == 1
+        found.append(
+            worst(
+                check=self.name,
+                quantity="reflection",
+                t=run.t[1:][follows],
+                values=not_mirrored(before, direction, normal)[follows],
+                allowed=round_off * roundings_of_normal(problem.map),
+                unit="1",
+                basis=BASIS,
+                what="The deviation of a direction vector from the mirror image of the one before",
+            )
+        )
+        if isinstance(problem.map, RectangleBilliard):
+            changes = np.abs(np.abs(direction) - np.abs(problem.start[2:]))
+            found += [
+                worst(
+                    check=self.name,
+                    quantity=f"kept.{name}",
+                    t=run.t[1:],
+                    values=change,
+                    allowed=round_off * run.t[1:],
+                    unit="1",
+                    basis=KEPT_BASIS,
+                    what=f"The change of |v{name}| since the start, relative to the speed,",
+                )
+                for name, change in zip("xy", changes.T, strict=True)
+            ]
+        return found
+
+
+def not_mirrored(before: Array, after: Array, normal: Array) -> Array:
+    """How far each direction (T, 2) after a bounce is from u - 2 (n . u) n, u that before it.
+
+    In a corner, where the normal is 0, both walls may have been met, in either order: the nearest
+    of u, its images in one wall, and that in both is compared.
+    """
+    along = np.sum(before * normal, axis=1)
+    image = before - 2.0 * along[:, None] * normal
+    deviation = np.hypot(*(after - image).T)
+    in_corner = ~normal.any(axis=1)
+    either = np.hypot(*(np.abs(after) - np.abs(before)).T)
+    nearest: Array = np.where(in_corner, either, deviation)
+    return nearest
+
+
+def roundings_of_normal(table: Billiard) -> float:
+    """How many times a rounding of a direction the normal of a wall is off that is told from a
+    place on it: 1 by a straight wall, and by a half circle of radius r, 1 + (length/2)/r.
+    """
+    if isinstance(table, StadiumBilliard):
+        return 1.0 + table.width / table.height
+    return 1.0
 
 
 def wall(table: Billiard, position: Array) -> tuple[Array, Array]:

@@ -46,6 +46,10 @@ class Complex:
         """The conjugate number real - i imag."""
         return Complex(self.real, -self.imag)
 
+    def inverse(self) -> "Complex":
+        """The number 1/z = z*/|z|^2."""
+        return self.conjugate() / (self.real * self.real + self.imag * self.imag)
+
     def arg(self) -> arb:
         """The phase [rad] in (-pi, pi]."""
         return atan2(self.imag, self.real)

@@ -55,7 +55,14 @@ def test_every_bounce_is_on_the_wall_at_unit_speed_and_goes_inwards_to_eight_rou
     assert found["speed"].value == near(0.5, rel=1e-14)
     assert found["wall"].value == 0.25 / 4
     assert found["inward"].value == near(0.6, rel=1e-14)
-    assert {finding.bound for finding in found.values()} == {8 * U}
+    # The image of (-6/5, -9/10) in the lower wall is (-6/5, 9/10); it goes on along (4/5, -3/5).
+    assert found["reflection"].value == near(2.5, rel=1e-14)
+    # |vx| is 6/5 in place of 3/5 at n = 2; that is more of its bound than what |vy| changes.
+    assert found["kept.x"].value == near(0.6, rel=1e-14)
+    assert found["kept.x"].bound == 2 * 8 * U
+    assert found["kept.y"].value == near(0.2, rel=1e-14)
+    local = [finding.bound for name, finding in found.items() if "kept" not in name]
+    assert local == [8 * U] * 4
 
 
 class Outline(EnsembleCase):

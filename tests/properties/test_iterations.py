@@ -39,11 +39,16 @@ REGULAR = [
         "half-circle-displaced",
         "direction-shrinks",
         "not-reflected",
+        "reflection-lossy",
+        "reflection-tilted",
+        "stadium-tilted",
+        "walls-bent",
+        "stadium-walls-bent",
     ],
 )
-def test_lyapunov_and_bounces_are_failed_by_their_faults(name):
+def test_lyapunov_bounces_and_beam_are_failed_by_their_faults(name):
     (fault,) = chosen([name])
-    assert fault.sees[0] in ("lyapunov", "bounces")
+    assert fault.sees[0] in ("lyapunov", "bounces", "beam")
     kill = FaultTrial(seeds=1, whole=False).kill(fault, 2)
     assert kill.killed
     assert kill.beyond is None or kill.beyond > 0

@@ -53,6 +53,36 @@ def _short_reflection(
     return direction[0] - 1.9 * along * normal[0], direction[1] - 1.9 * along * normal[1]
 
 
+def _lossy_reflection(
+    direction: tuple[float, float], normal: tuple[float, float]
+) -> tuple[float, float]:
+    """A reflection by a wall across y leaves a billionth of |vy| behind."""
+    u, v = SOUND_MAPS.reflected(direction, normal)
+    return u, v * (1.0 - 1e-9 * abs(normal[1]))
+
+
+def _tilted_reflection(
+    direction: tuple[float, float], normal: tuple[float, float]
+) -> tuple[float, float]:
+    """u - 2 (u . n) n with normals n that are turned by 1e-12."""
+    turned = (normal[0] - 1e-12 * normal[1], normal[1] + 1e-12 * normal[0])
+    reflected: tuple[float, float] = SOUND_MAPS.reflected(direction, turned)
+    return reflected
+
+
+def _bent(share: float) -> Callable[[tuple[float, ...]], tuple[float, ...]]:
+    """Walls y = +-b turn paths by b times `share` on each metre from their middle, and so bend
+    beams; those at x = +-a do likewise, the other way.
+    """
+
+    def turned(state: tuple[float, ...]) -> tuple[float, ...]:
+        x, y, u, v = SOUND_MAPS.settled(state)
+        angle = share * x * y
+        return SOUND_MAPS.settled((x, y, u - angle * v, v + angle * u))  # type: ignore[no-any-return]
+
+    return turned
+
+
 def _nearest_only(place: tuple[float, float], direction: tuple[float, float], table: Any) -> float:
     """The walls across x alone are seen: the point flies through the others."""
     u = direction[0]
@@ -178,6 +208,41 @@ FAULTS = (
         on=("rectangle",),
         sees=("bounces", "inward"),
         inside=_with(reflected=lambda u, n: u),
+    ),
+    mapped(
+        name="reflection-lossy",
+        sentence="Walls along the table take a billionth of |vy| at every bounce.",
+        on=("rectangle",),
+        sees=("bounces", "kept.y"),
+        inside=_with(reflected=_lossy_reflection),
+    ),
+    mapped(
+        name="reflection-tilted",
+        sentence="Walls reflect as if they were turned by 1e-12.",
+        on=("rectangle",),
+        sees=("bounces", "kept.x"),
+        inside=_with(reflected=_tilted_reflection),
+    ),
+    mapped(
+        name="stadium-tilted",
+        sentence="Walls reflect as if they were turned by 1e-12.",
+        on=("stadium",),
+        sees=("bounces", "reflection"),
+        inside=_with(reflected=_tilted_reflection),
+    ),
+    mapped(
+        name="walls-bent",
+        sentence="Straight walls reflect as if they were bent to a radius of some 20 km.",
+        on=("rectangle",),
+        sees=("beam", "rate"),
+        inside=_with(settled=_bent(1e-4)),
+    ),
+    mapped(
+        name="stadium-walls-bent",
+        sentence="All walls of a stadium reflect as if they were bent a thousandth more or less.",
+        on=("stadium",),
+        sees=("beam", "rate"),
+        inside=_with(settled=_bent(1e-3)),
     ),
     mapped(
         name="one-pair-of-walls",

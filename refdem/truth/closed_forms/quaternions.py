@@ -21,45 +21,19 @@ from flint import arb
 from refdem.core.parameters import Parameters
 from refdem.core.truth import Truth
 from refdem.truth.balls import UndecidedError, arb_of
+from refdem.truth.closed_forms.quaternion_matrices import (
+    absolute,
+    conjugated,
+    numbers_of,
+    of_balls,
+    of_numbers,
+)
+from refdem.truth.closed_forms.quaternion_rules import rules
 from refdem.truth.complex_balls import Complex, ComplexMatrix
 from refdem.truth.dual import atan2
 from refdem.truth.exact import vector
 from refdem.truth.refiner import Refiner
 from refdem.truth.timeless import Timeless
-
-
-def matrix_of(w: arb, x: arb, y: arb, z: arb) -> ComplexMatrix:
-    """The complex 2 x 2 matrix of the quaternion (w, x, y, z)."""
-    return ComplexMatrix.of([[Complex(w, -z), Complex(-y, -x)], [Complex(y, -x), Complex(w, z)]])
-
-
-def of_numbers(numbers: Sequence[Fraction]) -> ComplexMatrix:
-    """The matrix of four exact numbers (w, x, y, z), or of three, (x, y, z), with w = 0."""
-    if len(numbers) == 3:
-        numbers = (Fraction(0), *numbers)
-    w, x, y, z = (arb_of(number) for number in numbers)
-    return matrix_of(w, x, y, z)
-
-
-def of_balls(v: Sequence[arb]) -> ComplexMatrix:
-    """The matrix of the vector (x, y, z) of balls, as a quaternion with w = 0."""
-    x, y, z = v
-    return matrix_of(arb(0), x, y, z)
-
-
-def numbers_of(m: ComplexMatrix) -> list[arb]:
-    """The quaternion (w, x, y, z) of a matrix, from its first column (w - i z, y - i x)."""
-    return [m[0, 0].real, -m[1, 0].imag, m[1, 0].real, -m[0, 0].imag]
-
-
-def conjugated(m: ComplexMatrix) -> ComplexMatrix:
-    """The matrix of the conjugate quaternion: the conjugate transpose."""
-    return m.adjoint()
-
-
-def absolute(m: ComplexMatrix) -> arb:
-    """|q|: the square root of the determinant."""
-    return m.determinant().real.sqrt()
 
 
 def rotated(u: ComplexMatrix, v: ComplexMatrix) -> list[arb]:
@@ -107,7 +81,8 @@ def values(p: Parameters) -> dict[str, list[arb]]:
     u = q_matrix / length
     matrices = products(p, q_matrix, length) | rates(p, u)
     of_matrices = {name: numbers_of(matrix) for name, matrix in matrices.items()}
-    return of_matrices | rotation_rows(p, q_matrix, length, u) | successive(p, u) | pauli(p)
+    of_rotations = rotation_rows(p, q_matrix, length, u) | successive(p, u)
+    return of_matrices | of_rotations | pauli(p) | rules(p, u)
 
 
 def successive(p: Parameters, u: ComplexMatrix) -> dict[str, list[arb]]:

@@ -134,10 +134,18 @@ def swept(p: Parameters) -> dict[str, list[arb]]:
     x, y, z = vector(p, "shifts")[:3]
     crossed = [b * z - c * y, c * x - a * z, a * y - b * x]
     square = sum(component * component for component in crossed)
+    arm_square = x * x + y * y + z * z
+    along = a * x + b * y + c * z
     return {
         "swept": [arb_of(component) for component in crossed],
         "swept-square": [arb_of(square)],
         "swept-by-products": [arb_of(square)],
+        # r x (omega x r) = r^2 omega - (r . omega) r.
+        "swept-twice": [
+            arb_of(arm_square * turning - along * arm)
+            for turning, arm in zip((a, b, c), (x, y, z), strict=True)
+        ],
+        "swept-by-triple": [arb_of(square)],
     }
 
 
@@ -155,8 +163,42 @@ def values(p: Parameters) -> dict[str, list[arb]]:
     euler = [arb_of(angle) for angle in vector(p, "euler")]
     step = nine_entries.values(p, euler_matrix(*euler), quaternion(*euler))
     angles = in_the_plane(p) | of_multiples(p) | by_euler(p) | rate_rows(*euler[:2]) | swept(p)
+    angles |= euler_by_turns(p)
     commuting = shifted(p) | by_small_turns(p)
     return quarter_turns | angles | energies | koenig.values(p) | commuting | step
+
+
+def euler_by_turns(p: Parameters) -> dict[str, list[arb]]:
+    """The three turns of Euler's angles, R_z(phi) R_x(theta) R_z(psi), their inverse, and the first
+    of the shifts r as R r and R^T (R r) = r.
+    """
+    phi, theta, psi = (arb_of(angle) for angle in vector(p, "euler"))
+    s_phi, c_phi = phi.sin_cos()
+    s_theta, c_theta = theta.sin_cos()
+    s_psi, c_psi = psi.sin_cos()
+    zero = arb(0)
+    one = arb(1)
+    whole = euler_matrix(phi, theta, psi)
+    transposed = [whole[3 * j + i] for i in range(3) for j in range(3)]
+    arm = [arb_of(x) for x in vector(p, "shifts")[:3]]
+    carried = [sum((whole[3 * i + j] * arm[j] for j in range(3)), zero) for i in range(3)]
+    z_x = [c_phi, -s_phi * c_theta, s_phi * s_theta, s_phi, c_phi * c_theta, -c_phi * s_theta]
+    z_x_back = [c_psi, s_psi * c_theta, s_psi * s_theta, -s_psi, c_psi * c_theta, c_psi * s_theta]
+    return {
+        "turn-phi": [c_phi, -s_phi, zero, s_phi, c_phi, zero, zero, zero, one],
+        "turn-theta": [one, zero, zero, zero, c_theta, -s_theta, zero, s_theta, c_theta],
+        "turn-psi": [c_psi, -s_psi, zero, s_psi, c_psi, zero, zero, zero, one],
+        "turn-phi-theta": [*z_x, zero, s_theta, c_theta],
+        "euler-by-turns": whole,
+        "turn-phi-back": [c_phi, s_phi, zero, -s_phi, c_phi, zero, zero, zero, one],
+        "turn-theta-back": [one, zero, zero, zero, c_theta, s_theta, zero, -s_theta, c_theta],
+        "turn-psi-back": [c_psi, s_psi, zero, -s_psi, c_psi, zero, zero, zero, one],
+        "turn-psi-theta-back": [*z_x_back, zero, -s_theta, c_theta],
+        "euler-inverse": transposed,
+        "euler-transposed": transposed,
+        "euler-carried": carried,
+        "euler-carried-back": arm,
+    }
 
 
 def of_multiples(p: Parameters) -> dict[str, list[arb]]:
@@ -246,10 +288,13 @@ def in_the_plane(p: Parameters) -> dict[str, list[arb]]:
     x, y = (arb_of(component) for component in vector(p, "vector"))
     v = Complex(x, y)
     turned = Complex(angle.cos(), angle.sin()) * v
+    clockwise = Complex(angle.cos(), -angle.sin()) * v
     mirrored = Complex((2 * angle).cos(), (2 * angle).sin()) * v.conjugate()
     return {
         "plane-turn": [turned.real, turned.imag],
         "complex-turn": [turned.real, turned.imag],
+        "plane-clockwise": [clockwise.real, clockwise.imag],
+        "plane-turned-back": [x, y],
         "plane-eigenvalue": [angle.cos(), abs(angle.sin())],
         "mirror": [mirrored.real, mirrored.imag],
         # Rx(-90) Ry(-90) (the row "globe") is one turn by 120 degrees.

@@ -18,10 +18,12 @@ from refdem.core.parameters import Exact
 from refdem.truth.balls import arb_of
 from refdem.truth.exact import number, numbers, vector
 from refdem.truth.witnesses.koenig import of_points
+from refdem.truth.witnesses.quaternion_rules import rules
 from refdem.truth.witnesses.testimony import Claimed, Said, Witness
 from refdem.truth.witnesses.turns import (
     about,
     commuting,
+    euler_by_turns,
     hamilton,
     of_a_step,
     of_multiples,
@@ -360,7 +362,7 @@ def quaternions(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Clai
     q = vector(p, "q")
     length = arb_of(sum((x * x for x in q), Fraction(0))).sqrt()
     u = [arb_of(x) / length for x in q]
-    yield None, listed(products(p, length) | turns_by(p, u) | rates_of(p, u))
+    yield None, listed(products(p, length) | turns_by(p, u) | rates_of(p, u) | rules(p, u))
 
 
 def products(p: Mapping[str, Exact], length: arb) -> dict[str, Sequence[Any]]:
@@ -501,6 +503,7 @@ def rotations(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claime
     stepped = of_a_step(p, matrix, attitude(phi, theta, psi))
     stepped["nine-entries-freedom"] = [freedom_of_nine_entries()]
     angles = in_the_plane(p) | of_multiples(p) | by_euler(p) | rate_matrices(p) | swept(p)
+    angles |= euler_by_turns(p)
     energies_of_all = energies | of_points(p)
     yield None, listed(quarter_turns() | commuting(p) | angles | stepped | energies_of_all)
 
@@ -539,6 +542,8 @@ def in_the_plane(p: Mapping[str, Exact]) -> dict[str, Sequence[Any]]:
     return {
         "plane-turn": turned_v,
         "complex-turn": turned_v,
+        "plane-clockwise": [turn[0, i] * v[0] + turn[1, i] * v[1] for i in (0, 1)],
+        "plane-turned-back": v,
         "plane-determinant": [turn.det()],
         "mirror-determinant": [-turn.det()],
         "plane-eigenvalue": [turn[0, 0], absolute_sine],

@@ -123,7 +123,42 @@ def swept(p: Mapping[str, Exact]) -> dict[str, Sequence[Any]]:
     along, *crossed = hamilton([zero, *omega], [zero, *arm])
     squares = [sum((x * x for x in v), zero) for v in (omega, arm)]
     square = squares[0] * squares[1] - along * along
-    return {"swept": crossed, "swept-square": [square], "swept-by-products": [square]}
+    _, *twice = hamilton([zero, *arm], [zero, *crossed])
+    return {
+        "swept": crossed,
+        "swept-square": [square],
+        "swept-by-products": [square],
+        "swept-twice": twice,
+        "swept-by-triple": [sum((x * y for x, y in zip(omega, twice, strict=True)), zero)],
+    }
+
+
+def euler_by_turns(p: Mapping[str, Exact]) -> dict[str, Sequence[Any]]:
+    """The turns of Euler's angles, their products, the inverse by elimination, and the first of the
+    shifts as it is carried there and back.
+    """
+    phi, theta, psi = (arb_of(x) for x in vector(p, "euler"))
+    turns = {
+        "turn-phi": about("z", phi),
+        "turn-theta": about("x", theta),
+        "turn-psi": about("z", psi),
+        "turn-phi-back": about("z", -phi),
+        "turn-theta-back": about("x", -theta),
+        "turn-psi-back": about("z", -psi),
+    }
+    turns["turn-phi-theta"] = turns["turn-phi"] * turns["turn-theta"]
+    turns["turn-psi-theta-back"] = turns["turn-psi-back"] * turns["turn-theta-back"]
+    whole = turns["turn-phi-theta"] * turns["turn-psi"]
+    turns["euler-by-turns"] = whole
+    turns["euler-inverse"] = whole.inv()
+    turns["euler-transposed"] = whole.transpose()
+    arm = arb_mat([[arb_of(x)] for x in vector(p, "shifts")[:3]])
+    carried = whole * arm
+    return {
+        **{name: row_by_row(turn) for name, turn in turns.items()},
+        "euler-carried": row_by_row(carried),
+        "euler-carried-back": row_by_row(whole.transpose() * carried),
+    }
 
 
 def of_multiples(p: Mapping[str, Exact]) -> dict[str, Sequence[Any]]:
