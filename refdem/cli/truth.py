@@ -10,12 +10,13 @@ from refdem.cli import completion
 from refdem.errors import UsageError
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping, Sequence
+    from collections.abc import Iterator, Mapping, Sequence
 
     from refdem.certification.listing import CertifiedCase
     from refdem.cli.progress import Watch
     from refdem.core.case import Instance
     from refdem.core.truth import Ball, Truth
+    from refdem.truth.sensitivities import Sensitivities
 
     Values = Sequence[dict[str, str | None]]
 
@@ -143,34 +144,77 @@ def tell_derivatives(
 
     if not times:
         raise UsageError("--sensitivities needs times: for example --at 5/2")
-    units = {quantity.name: quantity.unit for quantity in instance.quantities.values()}
-    rows = []
-    missing: dict[str, str] = {}
     parameters = instance.case.written_out(instance.p)
-    for t in times:
-        found = sensitivities(instance.case.truth, parameters, t, digits)
-        missing |= found.missing
-        for quantity, by_number in found.of.items():
-            for number, ball in by_number.items():
-                row = value(t, quantity, ball, "", digits)
-                del row["method"]
-                unit = instance.p.declared[number.partition(".")[0]].unit
-                row |= {"by": number, "unit": f"({units.get(quantity, '1')})/({unit})"}
-                rows.append(row)
+    found = [sensitivities(instance.case.truth, parameters, t, digits) for t in times]
+    rows = [row for one in found for row in rows_of(instance, one, digits)]
+    beside = [row for one in found for row in rows_beside(instance, one, digits)]
+    missing = {number: reason for one in found for number, reason in one.missing.items()}
     if as_json:
         document = {
             "case": instance.case.id,
             "parameters": instance.p.texts(),
             "sensitivities": rows,
             "missing": missing,
+            "beside": beside,
         }
         print(json.dumps(document, indent=1))
         return
     for row in rows:
-        name = f"d {row['quantity']}({row['t']})/d {row['by']}"
-        print(f"{name:34} {row['mid']} +- {row['radius']} {row['unit']}")
+        print(line_of(row))
+    for row in beside:
+        print(f"{line_of(row)}, beside it at {row['by']} = {row['at']}")
     for number, reason in missing.items():
         typer.echo(f"no derivative by {number}: {reason}", err=True)
+    for number in without_effect(rows):
+        typer.echo(f"no quantity depends on {number} at these times", err=True)
+
+
+def rows_of(
+    instance: "Instance", found: "Sensitivities", digits: int
+) -> "Iterator[dict[str, str | None]]":
+    """The derivatives of one time as the JSON has them."""
+    for quantity, by_number in found.of.items():
+        for number, ball in by_number.items():
+            yield derivative(instance, found.t, quantity, number, ball, digits)
+
+
+def rows_beside(
+    instance: "Instance", found: "Sensitivities", digits: int
+) -> "Iterator[dict[str, str | None]]":
+    """The derivatives on either side of numbers by which there is none, as the JSON has them."""
+    for number, sides in found.beside.items():
+        for side in sides:
+            for quantity, ball in side.of.items():
+                row = derivative(instance, found.t, quantity, number, ball, digits)
+                yield row | {"at": f"{float(side.place):.9g}"}
+
+
+def derivative(
+    instance: "Instance", t: Fraction, quantity: str, number: str, ball: "Ball", digits: int
+) -> dict[str, str | None]:
+    """One derivative as the JSON has it."""
+    row = value(t, quantity, ball, "", digits)
+    del row["method"]
+    by = instance.p.declared[number.partition(".")[0]].unit
+    declared = instance.quantities.get(quantity)
+    unit = declared.unit if declared else "1"
+    return row | {"by": number, "unit": f"({unit})/({by})"}
+
+
+def line_of(row: "Mapping[str, str | None]") -> str:
+    """A derivative as a line for people."""
+    name = f"d {row['quantity']}({row['t']})/d {row['by']}"
+    return f"{name:34} {row['mid']} +- {row['radius']} {row['unit']}"
+
+
+def without_effect(rows: "Values") -> list[str]:
+    """The numbers by which all derivatives are exactly 0."""
+    felt: dict[str, bool] = {}
+    for row in rows:
+        number = str(row["by"])
+        is_zero = row["radius"] == "0" and Fraction(str(row["mid"])) == 0
+        felt[number] = felt.get(number, False) or not is_zero
+    return [number for number, is_felt in felt.items() if not is_felt]
 
 
 def are_same(values: "Values", others: "Values") -> bool:

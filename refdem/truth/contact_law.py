@@ -7,6 +7,7 @@ from fractions import Fraction
 from flint import arb
 
 from refdem.truth.balls import arb_of
+from refdem.truth.dual import ball, carried
 from refdem.truth.power_contact import root as solved
 from refdem.truth.reals import Number, Real, is_zero, logarithm, pi, root
 
@@ -57,7 +58,7 @@ def damping_cosine(decay: arb) -> arb:
     is never above (2 - decay)/LEAST_SLOPE, which is all that is said where 2 - decay is lost in
     rounding.
     """
-    goal = 2 - decay
+    goal = 2 - ball(decay)
     least = arb_of(LEAST_SLOPE)
     # All z that the bound (2 - decay)/LEAST_SLOPE allows, and the root itself where it is found.
     square = arb(0).union(arb((goal / least).upper()))
@@ -72,7 +73,18 @@ def damping_cosine(decay: arb) -> arb:
         high = arb(square.lower()).sqrt().cos()
     else:
         high = arb(1)
-    return low.union(high)
+    return carried(low.union(high), (damping_cosine_slope(square), decay))
+
+
+def damping_cosine_slope(square: arb) -> arb:
+    """d cos(alpha)/d decay = sin(alpha)/(2 alpha h'(z)), z being alpha^2 = `square`.
+
+    With h'(z) = (1 - sin(2 alpha)/(2 alpha))/sin^2(alpha) it is sin^3(alpha)/(2 alpha - sin 2
+    alpha); not finite where the ball of z holds 0.
+    """
+    angle = square.sqrt()
+    sine = angle.sin()
+    return sine**3 / (2 * angle - (2 * angle).sin())
 
 
 def shortfall(square: arb) -> arb:

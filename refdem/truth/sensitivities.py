@@ -34,6 +34,11 @@ DIGITS = 24
 """Digits of the values whose differences are taken: those of the differences are 16. They are more
 as distances are smaller.
 """
+BESIDE = Fraction(1, 2**20)
+"""Part of itself by which a number that lies on a border is moved for the derivative on one side;
+2^-20 of its unit if it is 0. Differences about it stay on that side: they are taken over 2^-24 of
+this.
+"""
 SPARE = 4
 """The factor by which a derivative may be further from the nearer difference than that is from the
 farther one: the error of a central difference falls by 4 as its distance is halved, that of one to
@@ -93,14 +98,24 @@ class HasEquation(Protocol):
 
 
 @dataclass(frozen=True)
+class Beside:
+    """The derivatives of every quantity by a number, at a `place` beside its value."""
+
+    place: Fraction
+    of: Mapping[str, Ball]
+
+
+@dataclass(frozen=True)
 class Sensitivities:
     """Derivatives at one time: `of[quantity][number]` is a ball [unit of the quantity over that of
-    the number]. `missing` says of each number by which there is no derivative why not.
+    the number]. `missing` says of each number by which there is no derivative why not; `beside` has
+    those on either side of it.
     """
 
     t: Fraction
     of: Mapping[str, Mapping[str, Ball]]
     missing: Mapping[str, str]
+    beside: Mapping[str, Sequence[Beside]]
 
 
 def numbers_of(p: Parameters) -> Iterator[Number]:
@@ -125,6 +140,32 @@ def sensitivities(
     Raises NotCertifiedError where derivatives cannot be proved.
     """
     numbers = list(numbers_of(p))
+    derivatives = by_formula(make, p, numbers, t, digits)
+    missing = unbracketed(derivatives, make, p, numbers, t)
+    of: dict[str, dict[str, Ball]] = {}
+    for quantity, slopes in derivatives.items():
+        by_number = zip(numbers, slopes, strict=True)
+        of[quantity] = {one.name: slope for one, slope in by_number if one.name not in missing}
+    beside = {
+        number.name: list(on_either_side(make, p, number, t, digits))
+        for number in numbers
+        if number.name in missing
+    }
+    return Sensitivities(t, of, missing, beside)
+
+
+def by_formula(
+    make: Callable[[Parameters], Truth],
+    p: Parameters,
+    numbers: Sequence[Number],
+    t: Fraction,
+    digits: int,
+) -> Derivatives:
+    """The derivatives at t [s] of every quantity by these numbers, as the branch that the motion
+    takes at the parameters gives them.
+
+    Raises NotCertifiedError where they cannot be proved.
+    """
     moved = p
     for k, number in enumerate(numbers):
         unit = [int(k == other) for other in range(len(numbers))]
@@ -137,18 +178,32 @@ def sensitivities(
             f"derivatives of this truth by its parameters are not certified yet: {truth.method}"
         )
     try:
-        derivatives = truth.derivatives(t, len(numbers))
+        return truth.derivatives(t, len(numbers))
     except TypeError as error:
         # A dual number has met a function for which it has no rule.
         raise NotCertifiedError(
             f"derivatives of this truth by its parameters are not certified yet: {error}"
         ) from None
-    missing = unbracketed(derivatives, make, p, numbers, t)
-    of: dict[str, dict[str, Ball]] = {}
-    for quantity, slopes in derivatives.items():
-        by_number = zip(numbers, slopes, strict=True)
-        of[quantity] = {one.name: slope for one, slope in by_number if one.name not in missing}
-    return Sensitivities(t, of, missing)
+
+
+def on_either_side(
+    make: Callable[[Parameters], Truth], p: Parameters, number: Number, t: Fraction, digits: int
+) -> Iterator[Beside]:
+    """The derivatives by a number just below and just above its value, where there is a motion and
+    its derivatives are bracketed there.
+    """
+    value = number.of(p)
+    unit = abs(value) or Fraction(1)
+    for side in (-BESIDE, BESIDE):
+        place = value + side * unit
+        try:
+            there = number.set_in(p, place)
+            derivatives = by_formula(make, there, [number], t, digits)
+            reason = disagreement(derivatives, make, there, [number], Direction({number: side}), t)
+        except (RefdemError, ValueError, ArithmeticError):
+            continue
+        if reason is None:
+            yield Beside(place, {quantity: slope for quantity, (slope,) in derivatives.items()})
 
 
 @dataclass(frozen=True)
@@ -156,6 +211,14 @@ class Direction:
     """A direction in which numbers are moved together: how far each is, for a distance of 1."""
 
     steps: Mapping[Number, Fraction]
+
+    @property
+    def unit(self) -> Fraction:
+        """How far its only number is moved; 1 where there are several."""
+        if len(self.steps) > 1:
+            return Fraction(1)
+        (step,) = self.steps.values()
+        return step
 
     def moved(self, p: Parameters, distance: Fraction) -> Parameters:
         """The parameters at this distance."""
@@ -228,9 +291,11 @@ def disagreement(
         apart = abs(far[quantity].mid - near[quantity].mid)
         rounding = far[quantity].radius + near[quantity].radius + expected.radius
         if abs(expected.mid - near[quantity].mid) > SPARE * (apart + rounding):
+            seen = float(near[quantity].mid / direction.unit)
+            computed = float(expected.mid / direction.unit)
             return (
-                f"differences of certified values tend to {float(near[quantity]):.6g} for"
-                f" {quantity}, and the formula at the parameters gives {float(expected):.6g}: the"
+                f"differences of certified values tend to {seen:.6g} for"
+                f" {quantity}, and the formula at the parameters gives {computed:.6g}: the"
                 " motion is of another kind on one side, or the formula does not carry the number"
             )
     return None
