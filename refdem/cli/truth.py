@@ -160,9 +160,9 @@ def tell_derivatives(
         print(json.dumps(document, indent=1))
         return
     for row in rows:
-        print(line_of(row))
+        print(printed(row))
     for row in beside:
-        print(f"{line_of(row)}, beside it at {row['by']} = {row['at']}")
+        print(f"{printed(row)}, beside it at {row['by']} = {row['at']}")
     for number, reason in missing.items():
         typer.echo(f"no derivative by {number}: {reason}", err=True)
     for number in without_effect(rows):
@@ -201,7 +201,7 @@ def derivative(
     return row | {"by": number, "unit": f"({unit})/({by})"}
 
 
-def line_of(row: "Mapping[str, str | None]") -> str:
+def printed(row: "Mapping[str, str | None]") -> str:
     """A derivative as a line for people."""
     name = f"d {row['quantity']}({row['t']})/d {row['by']}"
     return f"{name:34} {row['mid']} +- {row['radius']} {row['unit']}"
