@@ -14,6 +14,7 @@ from refdem.truth.witnesses.testimony import witness_files, witnesses
 NAME = "inputs.txt"
 """Beside the pages: a line a case, `digest  case`."""
 WRITERS = (
+    "manual/moved.py",
     "manual/pages.py",
     "manual/slips.py",
     "report/manual.py",

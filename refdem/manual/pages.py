@@ -10,6 +10,7 @@ from refdem.core.case import Canonical, Instance
 from refdem.core.manual import CheckLine, ManualPage, ParameterLine, QuantityLine, TruthLine
 from refdem.core.selection import Selection
 from refdem.errors import NotCertifiedError
+from refdem.manual.moved import moved_at, moved_lines
 from refdem.manual.slips import slips_of
 from refdem.planning import plan
 from refdem.planning.specification import Specification
@@ -57,6 +58,8 @@ def page(case: Canonical, sets: list[CertifiedSet]) -> ManualPage:
         parameters=tuple(parameters),
         quantities=tuple(quantities),
         scalars=scalars(instance),
+        moved=moved_lines(instance),
+        moved_at=moved_at(instance),
         truth=truth_line(case.id, instance, sets),
         checks=tuple(checks(instance)),
         slips=slips_of(case.id),

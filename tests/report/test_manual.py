@@ -12,6 +12,7 @@ from refdem.core.manual import (
     ChapterLine,
     CheckLine,
     ManualPage,
+    MovedLine,
     ParameterLine,
     QuantityLine,
     Slip,
@@ -44,6 +45,20 @@ PAGE = ManualPage(
     parameters=(ParameterLine(name="mass", default="", unit="kg", bounds="> 0", doc=NASTY),),
     quantities=(QuantityLine(name="x", unit="m", scale=1.5),),
     scalars=(QuantityLine(name="period", mid="6.28", radius="3.2e-3"),),
+    moved=(
+        MovedLine(
+            number="mass",
+            value=2.0,
+            unit="kg",
+            quantity="x",
+            unit_of_quantity="m",
+            slope=-0.25,
+            share=0.5,
+        ),
+        MovedLine(number="v0", value=0.0, unit="m/s", has_derivative=False),
+        MovedLine(number="ratio", value=0.5, unit="1"),
+    ),
+    moved_at="2.5",
     truth=TRUTH,
     checks=(
         CheckLine(name="error", title="Error", kills=NASTY),
@@ -148,6 +163,14 @@ def test_the_text_is_the_same_each_time(home: Path) -> None:
         version="9.9",
     )
     assert (home / "top.md").read_bytes() == before["top.md"]
+
+
+def test_what_each_number_moves_is_a_table(home: Path) -> None:
+    text = (home / "top.md").read_text()
+    assert "| `mass` | 2 kg | `x` | -0.25 (m)/(kg) | 0.5 % |" in text
+    assert "| `v0` | 0 m/s | no derivative: the motion is of another kind on one side |" in text
+    assert "| `ratio` | 0.5 | no quantity depends on it |" in text
+    assert "refdem truth top --sensitivities --at 2.5" in text
 
 
 def test_the_chapter_is_a_table_that_the_index_leads_to(home: Path) -> None:
