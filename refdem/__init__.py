@@ -15,6 +15,7 @@ _HOMES = {
     "records": "refdem.report",
     "run": "refdem.api",
     "sampled": "refdem.api",
+    "sensitivities_of": "refdem.api",
     "truth_of": "refdem.core.discovery",
 }
 

@@ -3,6 +3,7 @@
 from refdem.api import judge as judge
 from refdem.api import run as run
 from refdem.api import sampled as sampled
+from refdem.api import sensitivities_of as sensitivities_of
 from refdem.core.discovery import truth_of as truth_of
 from refdem.errors import RefdemError as RefdemError
 from refdem.report import records as records

@@ -8,9 +8,11 @@ from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property
 from html import escape
+from math import nan
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from refdem.cli.summary import lines
+from refdem.core import discovery
 from refdem.core.discovery import truth_of
 from refdem.core.engine import Method
 from refdem.core.finding import BROKEN, Finding, Record, Sheet, findings_of
@@ -27,6 +29,9 @@ from refdem.report.contents import contents_of
 from refdem.report.tables import Tables, tables
 from refdem.report.tolerance import rows_of
 
+DIGITS = 24
+"""Digits to which derivatives are proved before they are rounded to doubles."""
+
 if TYPE_CHECKING:
     import altair as alt
     import pandas as pd
@@ -39,6 +44,19 @@ class Sampled(NamedTuple):
 
     middles: "pd.DataFrame"
     radii: "pd.DataFrame"
+
+
+class Slopes(NamedTuple):
+    """Certified derivatives as DataFrames with a row for each time t [s] and quantity, and a column
+    for each number of the case: the doubles nearest to the middles, and radii about these doubles
+    that contain the true derivatives. `units` has a row for each quantity.
+
+    NaN where there is no derivative: the motion is of another kind on either side of the number.
+    """
+
+    middles: "pd.DataFrame"
+    radii: "pd.DataFrame"
+    units: "pd.DataFrame"
 
 
 @dataclass(frozen=True, repr=False)
@@ -182,6 +200,44 @@ def sampled(case: str, times: Iterable[Any], **parameters: Any) -> Sampled:
     middles = [{name: middle for name, (middle, _) in row.items()} for row in pairs]
     radii = [{name: radius for name, (_, radius) in row.items()} for row in pairs]
     return Sampled(pd.DataFrame(middles, index=index), pd.DataFrame(radii, index=index))
+
+
+def sensitivities_of(case: str, times: Iterable[Any], **parameters: Any) -> Slopes:
+    """Certified derivatives of the quantities of a case at times [s] by every number of it, each
+    time a number or a text such as "1/3": the matrix of quantities by numbers at 0.5 s is
+    `sensitivities_of("pendulum", [0.5], theta0=2.0).middles.loc[0.5].to_numpy()`.
+
+    Raises NotCertifiedError where derivatives are not certified.
+    """
+    import pandas as pd
+
+    from refdem.truth.sensitivities import sensitivities
+
+    instance = discovery.case(case).at(**_texts(parameters))
+    p = instance.case.written_out(instance.p)
+    middles: dict[tuple[float, str], dict[str, float]] = {}
+    radii: dict[tuple[float, str], dict[str, float]] = {}
+    for t in times:
+        # A float is the number that it is, as it is for parameters.
+        exact = Fraction(text_of(t))
+        found = sensitivities(instance.case.truth, p, exact, DIGITS)
+        for quantity, by_number in found.of.items():
+            pairs = {number: ball.rounded() for number, ball in by_number.items()}
+            missing = dict.fromkeys(found.missing, nan)
+            row = float(exact), quantity
+            middles[row] = {number: middle for number, (middle, _) in pairs.items()} | missing
+            radii[row] = {number: radius for number, (_, radius) in pairs.items()} | missing
+    index = pd.MultiIndex.from_tuples(list(middles), names=["t", "quantity"])
+    middle_rows = pd.DataFrame(list(middles.values()), index=index)
+    radius_rows = pd.DataFrame(list(radii.values()), index=index)
+    units = {
+        quantity.name: {
+            number: f"({quantity.unit})/({p.declared[number.partition('.')[0]].unit})"
+            for number in middle_rows.columns
+        }
+        for quantity in instance.quantities.values()
+    }
+    return Slopes(middle_rows, radius_rows, pd.DataFrame.from_dict(units, orient="index"))
 
 
 def run(

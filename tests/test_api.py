@@ -140,6 +140,20 @@ def test_certified_values_are_arrays_with_the_radii_that_contain_them() -> None:
     assert 0 < radii.to_numpy().max() < 1e-15
 
 
+def test_derivatives_are_tables_with_units_and_nan_where_there_is_none() -> None:
+    """x = x0 cos w t: dx/dx0 = cos w t."""
+    given = {"mass": 1, "stiffness": 4, "gravity": 0, "v0": 0}
+    middles, radii, units = refdem.sensitivities_of("harmonic-oscillator", [0.25, "1/3"], **given)
+    assert middles.index.names == ["t", "quantity"]
+    for t in (0.25, 1 / 3):
+        assert middles.loc[t, "x"]["x0"] == pytest.approx(np.cos(2 * t), rel=1e-15)
+    assert 0 < radii.to_numpy().max() < 1e-15
+    assert units.loc["v", "mass"] == "(m/s)/(kg)"
+    border = refdem.sensitivities_of("coulomb-oscillator", [2.5]).middles
+    assert border["v0"].isna().all()
+    assert border["mass"].notna().all()
+
+
 def test_a_time_beyond_what_is_certified_is_said() -> None:
     with pytest.raises(UsageError, match="expected a finite number"):
         refdem.sampled("pendulum", [float("nan")])
