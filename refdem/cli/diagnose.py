@@ -9,6 +9,7 @@ if TYPE_CHECKING:
     from refdem.core.engine import Engine
     from refdem.core.problem import Request
     from refdem.core.trajectory import Trajectory
+    from refdem.faults.misreading import Misreading
     from refdem.faults.twins import Diagnosis, Twin
 
 MAX_TWINS = 5
@@ -33,8 +34,9 @@ def command(
     ] = 120.0,
     json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
 ) -> None:
-    """Runs twins of the transparent engine, each with one known fault or another integrator, and
-    names the one that comes near.
+    """Names the numbers of the case that a run has misread, with their sizes; where no misreading
+    explains it, runs twins of the transparent engine, each with one known fault or another
+    integrator, and names the one that comes near.
 
     Example: refdem diagnose free-rigid-body/mujoco/euler/error/omega_body.x
     """
@@ -44,6 +46,7 @@ def command(
     from refdem.core.parameters import labelled
     from refdem.core.selection import Selection
     from refdem.errors import EngineMissingError, UsageError
+    from refdem.faults.misreading import Misreading
 
     label, name, method = parts_of(record)
     case, given = labelled(label)
@@ -55,13 +58,19 @@ def command(
         raise UsageError(f"{case} is a selection of cases; name one of them")
     result, step = diagnosed(chosen_case.at(**given), chosen_engine, method, level, seconds)
     if json:
-        print(msgspec.json.format(msgspec.json.encode(_document(record, step, result))).decode())
+        if isinstance(result, Misreading):
+            document = _misread(record, step, result)
+        else:
+            document = _document(record, step, result)
+        print(msgspec.json.format(msgspec.json.encode(document)).decode())
         return
     if step:
         resolution = f"step {step:.6g} s"
     else:
         resolution = "exact"
     print(f"{record}, {resolution}: {result.sentence()}")
+    if isinstance(result, Misreading):
+        return
     for twin in result.twins[:MAX_TWINS]:
         print(f"  {twin.digits:5.1f} digits  {twin.behaviour}, step {twin.step:.3g} s")
 
@@ -87,12 +96,13 @@ def parts_of(record: str) -> tuple[str, str, str]:
 
 def diagnosed(
     instance: "Instance", engine: "Engine", method: str, level: int, seconds: float
-) -> "tuple[Diagnosis, float | None]":
+) -> "tuple[Diagnosis | Misreading, float | None]":
     """The diagnosis of one run, made anew, and its step; raises EngineError if the engine has none
     to show.
 
     A run at half the step goes with it: a fault of the code has the same amplitude there, an error
-    of its integrator has not.
+    of its integrator has not. Misread numbers are looked for first; twins only where none explain
+    the run.
     """
     from dataclasses import replace
 
@@ -119,10 +129,30 @@ def diagnosed(
     request = first_part(request)
     run = _trajectory(engine, request)
     if request.step is None:
-        return diagnosis(instance, request, run, seconds=seconds), None
+        misread = _misreading(instance, run, run, seconds)
+        return misread or diagnosis(instance, request, run, seconds=seconds), None
     finer = replace(request, step=request.step / 2)
     other = (finer, _trajectory(engine, finer))
-    return diagnosis(instance, request, run, other, seconds), request.step
+    misread = _misreading(instance, run, other[1], seconds)
+    return misread or diagnosis(instance, request, run, other, seconds), request.step
+
+
+def _misreading(
+    instance: "Instance", run: "Trajectory", finer: "Trajectory", seconds: float
+) -> "Misreading | None":
+    """The numbers that a run has misread; None where none explain it, or derivatives are not
+    certified.
+    """
+    from refdem.errors import NotCertifiedError
+    from refdem.faults.misreading import misreading
+
+    try:
+        found = misreading(instance, run, finer, seconds)
+    except NotCertifiedError:
+        return None
+    if found.fits:
+        return found
+    return None
 
 
 def _trajectory(engine: "Engine", request: "Request") -> "Trajectory":
@@ -143,6 +173,27 @@ def _amplitude(twin: "Twin") -> float | None:
     if twin.knob is None:
         return None
     return twin.amplitude
+
+
+def _misread(record: str, step: float | None, result: "Misreading") -> dict[str, object]:
+    """Misread numbers as JSON has them."""
+    fits = []
+    for fit in result.fits:
+        names = [number.name for number in fit.numbers]
+        fits.append(
+            {
+                "numbers": dict(zip(names, fit.amounts, strict=True)),
+                "explains": fit.explains,
+                "left": fit.left,
+            }
+        )
+    return {
+        "record": record,
+        "step": step,
+        "deviation": result.deviation,
+        "misread": fits,
+        "sentence": result.sentence(),
+    }
 
 
 def _document(record: str, step: float | None, result: "Diagnosis") -> dict[str, object]:

@@ -166,6 +166,18 @@ def by_formula(
 
     Raises NotCertifiedError where they cannot be proved.
     """
+    (derivatives,) = at_times(make, p, numbers, [t], digits)
+    return derivatives
+
+
+def at_times(
+    make: Callable[[Parameters], Truth],
+    p: Parameters,
+    numbers: Sequence[Number],
+    times: Sequence[Fraction],
+    digits: int,
+) -> list[Derivatives]:
+    """The same at several times, from one truth, which keeps what it has integrated."""
     moved = p
     for k, number in enumerate(numbers):
         unit = [int(k == other) for other in range(len(numbers))]
@@ -178,7 +190,7 @@ def by_formula(
             f"derivatives of this truth by its parameters are not certified yet: {truth.method}"
         )
     try:
-        return truth.derivatives(t, len(numbers))
+        return [truth.derivatives(t, len(numbers)) for t in times]
     except TypeError as error:
         # A dual number has met a function for which it has no rule.
         raise NotCertifiedError(

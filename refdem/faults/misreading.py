@@ -1,0 +1,290 @@
+"""Numbers of a case that a program has misread: fitted to how its run deviates from truth.
+
+Theorem: the motion at numbers p + d differs from that at p by M d + O(d^2), M being the derivatives
+of its quantities by the numbers (truth/sensitivities.py). Gauss and Newton's iteration goes on from
+p + d with the derivatives at p, so that what is left falls by a part of the order d in each step.
+
+Hypotheses, and where each is checked:
+
+* the program follows the equations of the case: a misreading counts only where it leaves no more
+  than the errors of the program's steps, NOISY times these at most (`Fit.is_within_noise`);
+* errors of steps are at most what halving the step changes, which holds from the first order on:
+  `Observed.noise`.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+from functools import cached_property
+from itertools import combinations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from refdem.core.case import Instance
+from refdem.core.judgement import difference
+from refdem.core.parameters import Parameters
+from refdem.core.trajectory import Trajectory
+from refdem.errors import NotCertifiedError, RefdemError
+from refdem.truth.sensitivities import Number, at_times, numbers_of
+
+Array = NDArray[np.float64]
+SAMPLES = 12
+"""Times at which a run is laid beside truth, spread over it."""
+DIGITS = 17
+"""Decimal places of the values and derivatives that are fitted."""
+ROUNDING = 1e-14
+"""The least noise, in scales: a few roundings."""
+NOISY = 3.0
+"""The largest residual, in units of the noise, that is the noise."""
+ITERATIONS = 20
+"""Steps of Gauss and Newton's iteration, which ends where a step no longer halves what is left."""
+CANDIDATES = 6
+"""Sets of numbers of one size that are fitted to the end, those that explain most at first."""
+PROMISING = 0.5
+"""The part of the deviation that a set of numbers explains at first, to be fitted to the end."""
+MOST = 2
+"""Numbers that are misread at once."""
+LARGEST = 0.2
+"""The largest part of itself by which a number is misread; what is off by more is another law, or
+another unit, and a twin's to explain (twins.py).
+"""
+AS_LONG = 10.0
+"""The times as long as the values that a fit to them takes, about."""
+SHARE = 0.9999
+"""The part that a sentence calls all of it."""
+
+
+@dataclass(frozen=True)
+class Fit:
+    """Numbers that were changed by `amounts` [their units] to fit a run: `explains` is the part of
+    the squared deviation that this takes away, `left` the largest residual in units of the noise.
+    """
+
+    numbers: tuple[Number, ...]
+    values: tuple[float, ...]
+    amounts: tuple[float, ...]
+    explains: float
+    left: float
+
+    @property
+    def is_within_noise(self) -> bool:
+        """True if nothing is left to explain."""
+        return self.left <= NOISY
+
+    @property
+    def is_small(self) -> bool:
+        """True if every number is off by a small part of itself."""
+        pairs = zip(self.values, self.amounts, strict=True)
+        return all(abs(amount) <= LARGEST * (abs(value) or 1.0) for value, amount in pairs)
+
+    def words(self) -> str:
+        """The numbers and by how much each was misread."""
+        parts = []
+        for number, value, amount in zip(self.numbers, self.values, self.amounts, strict=True):
+            if value:
+                share = amount / abs(value)
+                parts.append(f"{number.name} {size(abs(share))} too {which(share)}")
+            else:
+                parts.append(f"{number.name} read as {amount:.4g} instead of 0")
+        return " and ".join(parts)
+
+
+def size(share: float) -> str:
+    """A relative misreading for people."""
+    if share < 1e-3:
+        return f"by {share:.2g} of itself"
+    return f"{100 * share:.3g} %"
+
+
+def which(share: float) -> str:
+    """The word for the side on which a number was misread."""
+    if share > 0:
+        return "large"
+    return "small"
+
+
+@dataclass(frozen=True)
+class Misreading:
+    """What a fit of the numbers of a case to a run comes to.
+
+    `fits` leave nothing to explain, that which explains most first; `deviation` is the largest in
+    scales. `is_noise` says that it is no more than the errors of the steps.
+    """
+
+    deviation: float
+    is_noise: bool
+    fits: tuple[Fit, ...] = ()
+
+    def sentence(self) -> str:
+        """What was misread, or that no misreading explains the run."""
+        if self.is_noise:
+            return "deviates from truth by no more than the errors of its steps"
+        if not self.fits:
+            return "no number of the case that is misread explains how it deviates from truth"
+        first, *others = self.fits
+        explained = min(first.explains, SHARE)
+        words = (
+            f"{first.words()} explains {100 * explained:.2f} % of its deviation of"
+            f" {self.deviation:.2g} scales, and leaves no more than the errors of its steps"
+        )
+        if others:
+            alike = "; ".join(fit.words() for fit in others)
+            return f"{words}; so does {alike}: this run cannot tell them apart"
+        return f"{words}; no other number of the case does"
+
+
+@dataclass(frozen=True)
+class Observed:
+    """A run of a program at two steps, and the times at which it is laid beside truth."""
+
+    instance: Instance
+    run: Trajectory
+    finer: Trajectory
+
+    @cached_property
+    def samples(self) -> list[int]:
+        """The numbers of the samples, spread over the run as far as truth is certified."""
+        count = min(len(self.run.position), len(self.finer.position), len(self.instance.times))
+        spread = np.unique(np.linspace(1, count - 1, SAMPLES).astype(int))
+        truth = self.instance.truth().refined(DIGITS)
+        certified = []
+        for sample in spread:
+            try:
+                truth.at(self.time(sample))
+            except NotCertifiedError:
+                break
+            certified.append(int(sample))
+        return certified
+
+    def time(self, sample: int) -> Fraction:
+        """The exact time [s] of a sample."""
+        return Fraction(float(self.instance.times[sample]))
+
+    @cached_property
+    def observed(self) -> Mapping[str, Array]:
+        """The quantities of the run at the finer step."""
+        return self.instance.observe(self.finer)
+
+    @cached_property
+    def names(self) -> list[str]:
+        """The quantities that are compared, one by one."""
+        return [name for name in self.instance.quantities if name in self.observed]
+
+    @cached_property
+    def noise(self) -> Array:
+        """The errors of the steps (samples x quantities), in scales: at most the largest change so
+        far from the run to that at the finer step.
+        """
+        coarse = self.instance.observe(self.run)
+        columns = []
+        for name in self.names:
+            quantity = self.instance.quantities[name]
+            last = max(self.samples) + 1
+            change = difference(
+                self.observed[name][:last], coarse[name][:last], is_angle=quantity.angle
+            )
+            so_far = np.maximum.accumulate(np.abs(change)) / quantity.scale
+            columns.append(so_far[self.samples] + ROUNDING)
+        return np.stack(columns, axis=1)
+
+    def deviations(self, p: Parameters) -> Array:
+        """The run at the finer step less truth at the numbers p, in units of the noise, flat."""
+        truth = self.instance.case.truth(p).refined(DIGITS)
+        rows = [truth.at(self.time(sample)) for sample in self.samples]
+        columns = []
+        for name in self.names:
+            quantity = self.instance.quantities[name]
+            true = np.array([float(row[name]) for row in rows])
+            apart = difference(self.observed[name][self.samples], true, is_angle=quantity.angle)
+            columns.append(apart / quantity.scale)
+        flat: Array = (np.stack(columns, axis=1) / self.noise).ravel()
+        return flat
+
+    def slopes(self, p: Parameters, numbers: Sequence[Number]) -> Array:
+        """The derivatives of the same by some numbers, a column each."""
+        scales = np.array([self.instance.quantities[name].scale for name in self.names])
+        times = [self.time(sample) for sample in self.samples]
+        found = at_times(self.instance.case.truth, p, numbers, times, DIGITS)
+        rows = [[[float(slope) for slope in one[name]] for name in self.names] for one in found]
+        weighted = np.array(rows) / (scales[:, None] * self.noise[:, :, None])
+        return weighted.reshape(-1, len(numbers))
+
+
+def misreading(
+    instance: Instance, run: Trajectory, finer: Trajectory, seconds: float
+) -> Misreading:
+    """The numbers of a case, one or MOST, that a program has misread, by a run and one at a finer
+    step.
+
+    Raises NotCertifiedError where derivatives are not certified, or would take longer than
+    `seconds` [s].
+    """
+    p = instance.case.written_out(instance.p)
+    seen = Observed(instance, run, finer)
+    if not seen.samples:
+        raise NotCertifiedError("no sample of the run lies where truth is certified")
+    last = seen.time(seen.samples[-1])
+    if AS_LONG * instance.truth().forecast(last, DIGITS) > seconds:
+        raise NotCertifiedError(f"derivatives would take longer than {seconds:g} s")
+    deviations = seen.deviations(p)
+    deviation = float(np.max(np.abs(deviations.reshape(seen.noise.shape) * seen.noise)))
+    if np.max(np.abs(deviations)) <= NOISY:
+        return Misreading(deviation, is_noise=True)
+    numbers = list(numbers_of(p))
+    matrix = seen.slopes(p, numbers)
+    for count in range(1, MOST + 1):
+        fits = []
+        for chosen in promising(deviations, matrix, count):
+            fit = fitted(seen, p, [numbers[k] for k in chosen], matrix[:, chosen])
+            if fit is not None and fit.is_within_noise and fit.is_small:
+                fits.append(fit)
+        if fits:
+            fits.sort(key=lambda fit: -fit.explains)
+            return Misreading(deviation, is_noise=False, fits=tuple(fits))
+    return Misreading(deviation, is_noise=False)
+
+
+def promising(deviations: Array, matrix: Array, count: int) -> list[tuple[int, ...]]:
+    """The sets of so many columns that explain most of the deviations, the best first."""
+    total = float(deviations @ deviations)
+    felt = [k for k in range(matrix.shape[1]) if np.any(matrix[:, k])]
+    ranked = []
+    for chosen in combinations(felt, count):
+        columns = matrix[:, chosen]
+        amounts = np.linalg.lstsq(columns, deviations)[0]
+        left = deviations - columns @ amounts
+        explained = 1.0 - float(left @ left) / total
+        if explained >= PROMISING:
+            ranked.append((explained, chosen))
+    ranked.sort(reverse=True)
+    return [chosen for _, chosen in ranked[:CANDIDATES]]
+
+
+def fitted(seen: Observed, p: Parameters, numbers: Sequence[Number], matrix: Array) -> Fit | None:
+    """The fit of some numbers by Gauss and Newton's iteration with the derivatives `matrix` at the
+    numbers of the case; None where it leaves the numbers that the case can have.
+    """
+    begin = seen.deviations(p)
+    residual = begin
+    moved = p
+    best: Fit | None = None
+    try:
+        for _ in range(ITERATIONS):
+            step = np.linalg.lstsq(matrix, residual)[0]
+            for number, amount in zip(numbers, step, strict=True):
+                moved = number.set_in(moved, number.of(moved) + Fraction(float(amount)))
+            residual = seen.deviations(moved)
+            fit = Fit(
+                tuple(numbers),
+                tuple(float(number.of(p)) for number in numbers),
+                tuple(float(number.of(moved) - number.of(p)) for number in numbers),
+                1.0 - float(residual @ residual) / float(begin @ begin),
+                float(np.max(np.abs(residual))),
+            )
+            if best is not None and not fit.left < best.left / 2:
+                break
+            best = fit
+    except (RefdemError, ValueError, ArithmeticError):
+        return best
+    return best
