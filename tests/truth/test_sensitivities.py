@@ -7,7 +7,7 @@ from fractions import Fraction
 import pytest
 
 from refdem.core import discovery
-from refdem.core.truth import Ball
+from refdem.core.truth import Ball, Truth
 from refdem.errors import NotCertifiedError
 from refdem.truth.closed_forms.quadratic_drag import QuadraticDrag
 from refdem.truth.dual import plain
@@ -65,6 +65,12 @@ SETTINGS = [
     ("bifurcations", {}, "0"),
     ("billiard-break", {"rows": "2", "friction": "1/10"}, "3/2"),
     ("rigid-cluster", {}, "1/2"),
+    ("phase-flow", {}, "5/2"),
+    ("phase-flow", {"flow": "viscous"}, "5/2"),
+    ("phase-flow", {"flow": "coulomb"}, "5/2"),
+    ("phase-flow", {"flow": "pendulum"}, "1"),
+    ("block-on-slope", {"friction": "1/5"}, "3/2"),
+    ("block-on-slope", {"friction": "9/10"}, "3/2"),
 ]
 
 
@@ -184,8 +190,30 @@ def test_a_gas_without_a_certified_motion_says_so() -> None:
         sensitivities(chosen.truth, chosen.at().p, Fraction(1), DIGITS)
 
 
-@pytest.mark.parametrize("case", ["phase-flow"])
-def test_truths_that_have_none_yet_say_so(case: str) -> None:
-    chosen = discovery.case(case)
-    with pytest.raises(NotCertifiedError, match="not certified yet"):
-        sensitivities(chosen.truth, chosen.at().p, Fraction(1), DIGITS)
+def test_a_block_on_the_border_of_sliding_says_by_which_numbers_there_is_none() -> None:
+    chosen = discovery.case("block-on-slope")
+    p = chosen.at(friction="3/4", slope="3/4").p
+    found = sensitivities(chosen.truth, p, Fraction(1), DIGITS)
+    assert set(found.missing) == {"friction", "slope"}
+    assert found.of["s"]["gravity"] == Ball(Fraction(0), Fraction(0))
+
+
+class Told(Truth):
+    """A truth whose values do not come from the parameters."""
+
+    method = "a table"
+    witness = "none"
+
+    def at(self, t: Fraction) -> dict[str, Ball]:
+        """One quantity, 0."""
+        return {"x": Ball(Fraction(0), Fraction(0))}
+
+    def sensitivity(self, t: Fraction) -> float:
+        """No growth."""
+        return 1.0
+
+
+def test_a_truth_that_has_none_says_so() -> None:
+    p = discovery.case("logistic").at().p
+    with pytest.raises(NotCertifiedError, match="not certified yet: a table"):
+        sensitivities(lambda _: Told(), p, Fraction(1), DIGITS)
