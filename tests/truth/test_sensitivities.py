@@ -226,6 +226,17 @@ def test_a_gas_without_a_certified_motion_says_so() -> None:
         sensitivities(chosen.truth, chosen.at().p, Fraction(1), DIGITS)
 
 
+def test_a_spring_without_length_has_the_derivative_by_its_length() -> None:
+    chosen = discovery.case("coupled-pendulums")
+    p = chosen.at(spring_length="0").p
+    t = Fraction(1, 4)
+    found = sensitivities(chosen.truth, p, t, DIGITS)
+    assert found.missing == {}
+    seen = difference(chosen.truth, p, t, Number("spring_length"))
+    ball = found.of["theta1"]["spring_length"]
+    assert abs(ball.mid - seen["theta1"]) <= ball.radius + Fraction(1, 10**25)
+
+
 def test_a_block_on_the_border_of_sliding_says_by_which_numbers_there_is_none() -> None:
     chosen = discovery.case("block-on-slope")
     p = chosen.at(friction="3/4", slope="3/4").p
