@@ -116,6 +116,11 @@ class Misreading:
     is_noise: bool
     fits: tuple[Fit, ...] = ()
 
+    @property
+    def is_of_one(self) -> bool:
+        """True if one misread number alone explains the run."""
+        return bool(self.fits) and len(self.fits[0].numbers) == 1
+
     def sentence(self) -> str:
         """What was misread, or that no misreading explains the run."""
         if self.is_noise:

@@ -20,7 +20,9 @@ from fractions import Fraction
 
 from flint import arb
 
-from refdem.truth.balls import arb_of
+from refdem.truth.balls import UndecidedError, arb_of
+from refdem.truth.dual import slopes_of
+from refdem.truth.hypergeometric import two_f_one
 from refdem.truth.power_contact import PowerContact
 
 NEAR = Fraction(3, 4)
@@ -212,25 +214,25 @@ def started(spring: MindlinSpring, leg: int, x: arb, s: arb, rate: arb) -> Stret
     return Stretched(spring, leg, first, second)
 
 
-def two_f_one(a: arb, b: arb, c: arb, z: arb) -> arb:
-    """Gauss's hypergeometric function 2F1(a, b; c; z)."""
-    value: arb = z.hypgeom_2f1(a, b, c)
-    return value
-
-
 def root(x: arb) -> arb:
     """The root sqrt(x) of numbers that are not negative, though the lower end of their ball may be,
-    by rounding.
+    by rounding. UndecidedError where the derivatives that x carries are not bounded.
     """
-    if x.lower() > 0 or x == 0:
+    if x.lower() > 0:
+        return x.sqrt()
+    if slopes_of(x):
+        raise UndecidedError("the derivative of a root at 0")
+    if x == 0:
         return x.sqrt()
     return arb(0).union(arb(x.upper()).sqrt())
 
 
 def power_five_halves(x: arb) -> arb:
     """The power x^(5/2) of numbers that are not negative, though the lower end of their ball may
-    be.
+    be. UndecidedError where that leaves out derivatives that x carries.
     """
     if x.lower() > 0 or x == 0:
         return x * x * root(x)
+    if slopes_of(x):
+        raise UndecidedError("the derivative of a power at 0")
     return arb(0).union(arb(x.upper()) ** _ratio(5, 2))

@@ -25,7 +25,7 @@ from functools import cached_property
 from flint import arb
 
 from refdem.truth.balls import UndecidedError, arb_of
-from refdem.truth.dual import ball, carried
+from refdem.truth.dual import ball, carried, slopes_of
 from refdem.truth.reals import Number
 
 NEAR_TOUCH = Fraction(4, 5)
@@ -78,14 +78,21 @@ class PowerContact:
     def since_touch(self, y: arb) -> arb:
         """The time since touch [d_m/v] on the way in: y 2F1(1/2, a; 1 + a; y^(n+1))."""
         half = arb_of(Fraction(1, 2))
-        elapsed: arb = y * (y**self.power).hypgeom_2f1(half, self.a, 1 + self.a)
-        return elapsed
+        x = ball(y)
+        elapsed: arb = x * (x**self.power).hypgeom_2f1(half, self.a, 1 + self.a)
+        if not slopes_of(y):
+            return elapsed
+        return carried(elapsed, (self.slowness(x), y))
 
     def before_turn(self, s: arb) -> arb:
         """The time to the turn [d_m/v] on the way in: 2 a s 2F1(1 - a, 1/2; 3/2; s^2)."""
         half = arb_of(Fraction(1, 2))
-        series: arb = (s * s).hypgeom_2f1(1 - self.a, half, arb_of(Fraction(3, 2)))
-        return 2 * self.a * s * series
+        x = ball(s)
+        series: arb = (x * x).hypgeom_2f1(1 - self.a, half, arb_of(Fraction(3, 2)))
+        left = 2 * self.a * x * series
+        if not slopes_of(s):
+            return left
+        return carried(left, (self.turning_slowness(x), s))
 
     def state(self, t: arb) -> tuple[arb, arb]:
         """The overlap [m] and its rate [m/s] at t [s] since touch, while the contact lasts.
@@ -120,24 +127,20 @@ class PowerContact:
 
     def near_turn(self, left: arb) -> tuple[arb, arb]:
         """The state near the turn, by s of either sign; `left` [s] is the time to the turn."""
-        # d (before_turn)/ds = 2 a (1 - s^2)^(a-1) >= 2 a.
-        s = root(
-            self.before_turn,
-            lambda s: 2 * self.a * (1 - s * s) ** (self.a - 1),
-            left / self.unit,
-            2 * self.a,
-        )
+        s = root(self.before_turn, self.turning_slowness, left / self.unit, 2 * self.a)
         return self.depth * (1 - s * s) ** self.a, self.speed * s
 
     def elapsed(self, overlap: arb) -> arb:
         """Time since touch at an overlap on the way in, well before the turn."""
-        y = overlap / self.depth
-        elapsed = self.since_touch(ball(y))
-        return self.unit * carried(elapsed, (self.slowness(ball(y)), y))
+        return self.unit * self.since_touch(overlap / self.depth)
 
     def slowness(self, y: arb) -> arb:
         """The derivative (1 - y^(n+1))^(-1/2) >= 1 of the time since touch by y."""
         return (1 - y**self.power).rsqrt()
+
+    def turning_slowness(self, s: arb) -> arb:
+        """The derivative 2 a (1 - s^2)^(a-1) >= 2 a of the time before the turn by s."""
+        return 2 * self.a * (1 - s * s) ** (self.a - 1)
 
 
 def touching(

@@ -2,13 +2,17 @@
 derivative that is lost on purpose.
 """
 
+from collections.abc import Callable
+from dataclasses import replace
 from fractions import Fraction
 
 import pytest
 
 from refdem.core import discovery
-from refdem.core.truth import Ball
+from refdem.core.parameters import Parameters
+from refdem.core.truth import Ball, Truth
 from refdem.errors import NotCertifiedError
+from refdem.truth.closed_forms.impact_benchmarks.contact_path import ContactPath
 from refdem.truth.closed_forms.quadratic_drag import QuadraticDrag
 from refdem.truth.dual import plain
 from refdem.truth.sensitivities import Number, numbers_of, sensitivities
@@ -65,18 +69,32 @@ SETTINGS = [
     ("bifurcations", {}, "0"),
     ("billiard-break", {"rows": "2", "friction": "1/10"}, "3/2"),
     ("rigid-cluster", {}, "1/2"),
+    ("phase-flow", {}, "5/2"),
+    ("phase-flow", {"flow": "viscous"}, "5/2"),
+    ("phase-flow", {"flow": "coulomb"}, "5/2"),
+    ("phase-flow", {"flow": "pendulum"}, "1"),
+    ("block-on-slope", {"friction": "1/5"}, "3/2"),
+    ("block-on-slope", {"friction": "9/10"}, "3/2"),
+    ("power-oscillator", {}, "7"),
+    ("power-oscillator", {"exponent": "5/2", "amplitude": "-2", "mass": "3"}, "20"),
+    ("power-oscillator", {"exponent": "1", "amplitude": "1/3"}, "0"),
+    ("impact-benchmarks", {"member": "dem-05-hertz"}, "1/400000"),
+    ("impact-benchmarks", {"member": "dem-05-hertz"}, "1/100000"),
+    ("impact-benchmarks", {"member": "dem-05-hertz", "angle": "1/20"}, "1/200000"),
+    ("impact-benchmarks", {"member": "dem-05-mindlin"}, "1/400000"),
+    ("impact-benchmarks", {"member": "dem-05-mindlin"}, "1/100000"),
+    ("impact-benchmarks", {"member": "dem-05-mindlin", "angle": "-1/20"}, "1/100000"),
+    ("impact-benchmarks", {"member": "dem-05-mindlin", "angle": "1/2"}, "1/100000"),
 ]
 
 
-def difference(
-    case: str, given: dict[str, str], t: Fraction, number: object
-) -> dict[str, Fraction]:
+Make = Callable[[Parameters], Truth]
+
+
+def difference(make: Make, p: Parameters, t: Fraction, number: Number) -> dict[str, Fraction]:
     """Central differences over STEP of values to 60 digits."""
-    chosen = discovery.case(case)
-    p = chosen.at(**given).p
     ahead, behind = (
-        chosen.truth(number.set_in(p, number.of(p) + sense * STEP)).refined(60).at(t)
-        for sense in (1, -1)
+        make(number.set_in(p, number.of(p) + sense * STEP)).refined(60).at(t) for sense in (1, -1)
     )
     return {name: (ahead[name].mid - behind[name].mid) / (2 * STEP) for name in ahead}
 
@@ -85,14 +103,20 @@ def difference(
 def test_derivatives_are_what_differences_tend_to(
     case: str, given: dict[str, str], time: str
 ) -> None:
-    t = Fraction(time)
     chosen = discovery.case(case)
-    p = chosen.at(**given).p
-    found = sensitivities(chosen.truth, p, t, DIGITS)
+    p = chosen.written_out(chosen.at(**given).p)
+    hold_to_differences(chosen.truth, p, Fraction(time))
+
+
+def hold_to_differences(make: Make, p: Parameters, t: Fraction) -> None:
+    """Fails unless every derivative at t agrees with differences, and those that are missing are by
+    numbers that are 0.
+    """
+    found = sensitivities(make, p, t, DIGITS)
     for number in numbers_of(p):
         if number.name in found.missing:
             continue
-        seen = difference(case, given, t, number)
+        seen = difference(make, p, t, number)
         for quantity, slopes in found.of.items():
             ball = slopes[number.name]
             away = abs(ball.mid - seen[quantity])
@@ -100,6 +124,24 @@ def test_derivatives_are_what_differences_tend_to(
             assert ball.radius < Fraction(1, 10 ** (DIGITS - 2))
     # What is missing is a border of kinds of motion: friction, spin or restitution that are 0.
     assert all(number.of(p) == 0 for number in numbers_of(p) if number.name in found.missing)
+
+
+@pytest.mark.parametrize("time", ["1/2", "1"])
+@pytest.mark.parametrize("spin", ["-102/100", "3"])
+@pytest.mark.parametrize("member", ["contact-path", "contact-path-turned"])
+def test_impulses_of_a_passing_have_the_derivatives_of_a_straight_path(
+    member: str, spin: str, time: str
+) -> None:
+    """Of masses that leave more digits for the differences than those of the members do."""
+    chosen = discovery.case("impact-benchmarks")
+
+    def heavier(p: Parameters) -> Truth:
+        truth = chosen.truth(p)
+        assert isinstance(truth, ContactPath)
+        return replace(truth, path=replace(truth.path, mass=Fraction(10) ** 100))
+
+    p = chosen.written_out(chosen.at(member=member, partner_spin=spin).p)
+    hold_to_differences(heavier, p, Fraction(time))
 
 
 def test_two_equal_elastic_balls_exchange_their_motions() -> None:
@@ -173,7 +215,7 @@ def test_a_free_box_moves_by_its_velocity_and_turns_as_a_free_body() -> None:
     assert found.missing == {}
     assert found.of["x"]["velocity.0"] == Ball(t, Fraction(0))
     assert found.of["omega.z"]["velocity.0"].mid == 0
-    seen = difference("neglected-gyroscopic", {"omega_body": "1/8,1/4,0"}, t, Number("inertia", 1))
+    seen = difference(chosen.truth, p, t, Number("inertia", 1))
     ball = found.of["attitude.z"]["inertia.1"]
     assert abs(ball.mid - seen["attitude.z"]) <= ball.radius + Fraction(1, 10**25)
 
@@ -184,8 +226,41 @@ def test_a_gas_without_a_certified_motion_says_so() -> None:
         sensitivities(chosen.truth, chosen.at().p, Fraction(1), DIGITS)
 
 
-@pytest.mark.parametrize("case", ["phase-flow"])
-def test_truths_that_have_none_yet_say_so(case: str) -> None:
-    chosen = discovery.case(case)
-    with pytest.raises(NotCertifiedError, match="not certified yet"):
-        sensitivities(chosen.truth, chosen.at().p, Fraction(1), DIGITS)
+def test_a_spring_without_length_has_the_derivative_by_its_length() -> None:
+    chosen = discovery.case("coupled-pendulums")
+    p = chosen.at(spring_length="0").p
+    t = Fraction(1, 4)
+    found = sensitivities(chosen.truth, p, t, DIGITS)
+    assert found.missing == {}
+    seen = difference(chosen.truth, p, t, Number("spring_length"))
+    ball = found.of["theta1"]["spring_length"]
+    assert abs(ball.mid - seen["theta1"]) <= ball.radius + Fraction(1, 10**25)
+
+
+def test_a_block_on_the_border_of_sliding_says_by_which_numbers_there_is_none() -> None:
+    chosen = discovery.case("block-on-slope")
+    p = chosen.at(friction="3/4", slope="3/4").p
+    found = sensitivities(chosen.truth, p, Fraction(1), DIGITS)
+    assert set(found.missing) == {"friction", "slope"}
+    assert found.of["s"]["gravity"] == Ball(Fraction(0), Fraction(0))
+
+
+class Told(Truth):
+    """A truth whose values do not come from the parameters."""
+
+    method = "a table"
+    witness = "none"
+
+    def at(self, t: Fraction) -> dict[str, Ball]:
+        """One quantity, 0."""
+        return {"x": Ball(Fraction(0), Fraction(0))}
+
+    def sensitivity(self, t: Fraction) -> float:
+        """No growth."""
+        return 1.0
+
+
+def test_a_truth_that_has_none_says_so() -> None:
+    p = discovery.case("logistic").at().p
+    with pytest.raises(NotCertifiedError, match="not certified yet: a table"):
+        sensitivities(lambda _: Told(), p, Fraction(1), DIGITS)

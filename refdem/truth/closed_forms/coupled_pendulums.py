@@ -14,6 +14,7 @@ from typing import Any
 
 from refdem.core.parameters import Parameters
 from refdem.core.truth import Truth
+from refdem.truth.dual import stays_zero
 from refdem.truth.exact import number, vector
 from refdem.truth.traced_field import Field
 from refdem.truth.validated_flow import ValidatedFlow
@@ -46,7 +47,7 @@ def field(p: Parameters) -> Field:
         spring_y = cos_1 * l1 - cos_2 * l2
         along_1 = spring_x * cos_1 + spring_y * sin_1
         along_2 = spring_x * cos_2 + spring_y * sin_2
-        if spring_length:
+        if not stays_zero(spring_length):
             length = (spring_x * spring_x + spring_y * spring_y).sqrt()
             # The force over the length of the spring, in units of k: F/(k s) = 1 - s0/s.
             share = 1 - spring_length / length

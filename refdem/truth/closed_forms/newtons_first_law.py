@@ -15,6 +15,7 @@ from refdem.core.truth import Ball, Truth
 from refdem.errors import UsageError
 from refdem.truth.balls import Guarded, arb_of
 from refdem.truth.closed_form import ClosedForm, displaced_tuple, per_precision
+from refdem.truth.dual import Derivatives
 from refdem.truth.growth import Grows, Told
 from refdem.truth.refiner import Refiner
 
@@ -129,6 +130,10 @@ class Still(Guarded, Truth):
     def at(self, t: Fraction) -> dict[str, Ball]:
         """The value zero, with radius zero, for every quantity."""
         return {name: Ball(Fraction(0), Fraction(0)) for name in self.quantities}
+
+    def derivatives(self, t: Fraction, count: int) -> Derivatives:
+        """0 by every parameter: beside them the bodies stay too."""
+        return {name: (Ball(Fraction(0), Fraction(0)),) * count for name in self.quantities}
 
     def sensitivity(self, t: Fraction) -> float:
         """1: what a start is off it stays off."""

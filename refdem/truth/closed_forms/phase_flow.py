@@ -31,7 +31,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from itertools import pairwise
-from typing import Any
+from typing import Any, TypeVar
 
 from flint import arb
 
@@ -45,11 +45,14 @@ from refdem.truth.closed_forms import (
     pendulum,
     viscous_oscillator,
 )
-from refdem.truth.dual import atan2
+from refdem.truth.dual import Derivatives, atan2, flattened, plain, unflattened
 from refdem.truth.exact import number
 from refdem.truth.reals import Number
+from refdem.truth.refiner import Formula
+from refdem.truth.sensitivities import Differentiable, HasEquation
 
 Corner = tuple[Fraction, Fraction]
+Told = TypeVar("Told")
 FORMS: dict[str, tuple[Any, str, str]] = {
     "harmonic": (harmonic_oscillator.truth, "x", "v"),
     "viscous": (viscous_oscillator.truth, "x", "v"),
@@ -93,20 +96,46 @@ class PhaseFlow(Guarded, Truth):
         Raises NotCertifiedError where no precision decides how often a part of the polygon has
         crossed v = 0.
         """
+        area = self.proved(lambda: {"area": self.area(arb_of(t))}, t)
+        return self.of_corners([motion.at(t) for motion in self.motions]) | area
+
+    def derivatives(self, t: Fraction, count: int) -> Derivatives:
+        """The derivatives of the quantities by the parameters: of each corner by its own truth, of
+        the area by its formula.
+        """
+        corners = []
+        for motion in self.motions:
+            if isinstance(motion, HasEquation):
+                motion = motion.by_equation()
+            assert isinstance(motion, Differentiable)
+            corners.append(motion.derivatives(t, count))
+        area = self.proved(lambda: flattened({"area": self.area(arb_of(t))}, count), t)
+        return self.of_corners(corners) | unflattened(area, count)
+
+    def of_corners(self, corners: Sequence[Mapping[str, Told]]) -> dict[str, Told]:
+        """What is told of the place and rate of each corner, under the names x_k and v_k."""
         _, place, rate = FORMS[self.flow]
-        corners: dict[str, Ball] = {}
-        for k, motion in enumerate(self.motions):
-            balls = motion.at(t)
-            corners |= {f"x_{k}": balls[place], f"v_{k}": balls[rate]}
-        target = abs(self.first_area()) / Fraction(10) ** self.digits
-        area = refined(lambda: {"area": self.area(arb_of(t))}, target, most=4096)
-        if area is None:
+        told = {}
+        for k, corner in enumerate(corners):
+            told[f"x_{k}"] = corner[place]
+            told[f"v_{k}"] = corner[rate]
+        return told
+
+    def proved(self, formula: Formula, t: Fraction) -> dict[str, Ball]:
+        """Balls of a formula of the area at t, to the digits of this truth.
+
+        Raises NotCertifiedError where no precision decides how often a part of the polygon has
+        crossed v = 0.
+        """
+        target = abs(plain(self.first_area())) / Fraction(10) ** self.digits
+        balls = refined(formula, target, most=4096)
+        if balls is None:
             message = (
                 f"at t = {float(t):.17g} s: corner: a corner or a side lies where a part of the"
                 " head turns or stops"
             )
             raise NotCertifiedError(message, code="corner", time=float(t))
-        return corners | area
+        return balls
 
     def sensitivity(self, t: Fraction) -> float:
         """S(t): the largest of those of the corners."""

@@ -12,18 +12,20 @@ the root than its residual over that bound (mean value theorem).
 """
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from fractions import Fraction
 
 from flint import arb, arb_mat, ctx
 
 from refdem.core.parameters import Parameters
 from refdem.core.truth import Truth
-from refdem.truth.balls import arb_of, nearest_integer
+from refdem.truth.balls import UndecidedError, arb_of, nearest_integer
 from refdem.truth.closed_form import ClosedForm, displaced_fields, per_precision
+from refdem.truth.dual import ball, carried, plain, slopes_of
 from refdem.truth.exact import numbers
 from refdem.truth.from_rest import derivative_from_rest, rates_from_rest
 from refdem.truth.growth import Grows, Growth, Norm, PeriodicGrowth, narrow, smooth
+from refdem.truth.hypergeometric import two_f_one
 from refdem.truth.line_growth import homogeneous, steepness
 from refdem.truth.refiner import Refiner
 
@@ -80,37 +82,49 @@ class PowerOscillator(ClosedForm):
     def quarter(self) -> arb:
         """A quarter of the period in units of A/u: sqrt(pi) gamma(1 + 1/p)/gamma(1/2 + 1/p)."""
         share = 1 / self.p
-        return arb.pi().sqrt() * (1 + share).gamma() / (arb(0.5) + share).gamma()
+        return arb.pi().sqrt() * gamma(1 + share) / gamma(arb(0.5) + share)
 
     def from_centre(self, y: arb) -> arb:
         """The integral q(y) from the centre, for an exact y."""
         share = 1 / self.p
-        return y * magnitude(y, self.p).hypgeom_2f1(arb(0.5), share, 1 + share)
+        return y * two_f_one(arb(0.5), share, 1 + share, magnitude(y, self.p))
+
+    def centre_slope(self, y: arb) -> arb:
+        """The derivative (1 - |y|^p)^(-1/2) >= 1 of q(y)."""
+        return (1 - magnitude(y, self.p)).rsqrt()
 
     def from_turning(self, w: arb) -> arb:
         """The integral s(w) from the turning point."""
-        return 2 / self.p * w * (w * w).hypgeom_2f1(arb(0.5), 1 - 1 / self.p, arb(1.5))
+        return 2 / self.p * w * two_f_one(arb(0.5), 1 - 1 / self.p, arb(1.5), w * w)
+
+    def turning_slope(self, w: arb) -> arb:
+        """The derivative (2/p)(1 - w^2)^(1/p - 1) >= 2/p of s(w)."""
+        return 2 / self.p * (1 - w * w) ** (1 / self.p - 1)
+
+    def without_derivatives(self) -> "PowerOscillator":
+        """The same motion, of numbers that carry no derivatives."""
+        return replace(
+            self,
+            mass=plain(self.mass),
+            stiffness=plain(self.stiffness),
+            exponent=plain(self.exponent),
+            amplitude=plain(self.amplitude),
+        )
 
     def place(self, s: arb) -> tuple[arb, arb]:
         """y and w at the time s [A/u] from the turning point y = 1, for |s| up to a quarter period.
 
-        Near the turning point w is the inverse of s(w), s' = (2/p)(1 - w^2)^(1/p - 1), and y = (1 -
-        w^2)^(1/p); near the centre y is that of q(y), q' = (1 - |y|^p)^(-1/2), and w = +-sqrt(1 -
-        |y|^p).
+        Near the turning point w is the inverse of s(w), and y = (1 - w^2)^(1/p); near the centre y
+        is that of q(y), and w = +-sqrt(1 - |y|^p).
         """
-        until_centre = self.quarter() - abs(s)
+        exact = self.without_derivatives()
+        until_centre = ball(self.quarter()) - abs(ball(s))
         if until_centre.mid() > self.middle().mid():
-
-            def turning_slope(w: arb) -> arb:
-                return 2 / self.p * (1 - w * w) ** (1 / self.p - 1)
-
-            w = inverse(self.from_turning, s, 2 / self.p, turning_slope)
+            w = inverse(exact.from_turning, ball(s), 2 / exact.p, exact.turning_slope)
+            w = with_derivatives_of(s, self.from_turning, w, exact.turning_slope)
             return (1 - w * w) ** (1 / self.p), w
-
-        def centre_slope(y: arb) -> arb:
-            return (1 - magnitude(y, self.p)).rsqrt()
-
-        y = inverse(self.from_centre, until_centre, arb(1), centre_slope)
+        y = inverse(exact.from_centre, until_centre, arb(1), exact.centre_slope)
+        y = with_derivatives_of(self.quarter() - abs(s), self.from_centre, y, exact.centre_slope)
         w = (1 - magnitude(y, self.p)).sqrt()
         if s > 0:
             return y, w
@@ -164,13 +178,40 @@ class PowerOscillator(ClosedForm):
 
 
 def magnitude(x: arb, power: arb) -> arb:
-    """|x|^power for power > 0, also where the ball holds 0."""
+    """|x|^power for power > 0, also where the ball holds 0.
+
+    UndecidedError where it does and x or the power carries derivatives.
+    """
     if x > 0 or x < 0:
+        if slopes_of(power):
+            # A ball without derivatives would leave out those of its power.
+            return (abs(x).log() * power).exp()
         return abs(x) ** power
+    if slopes_of(x) or slopes_of(power):
+        raise UndecidedError("the derivative of a power at the centre")
     upper = arb(x.abs_upper())
     if upper > 0:
         return arb(0).union(upper**power)
     return arb(0)
+
+
+def gamma(x: arb) -> arb:
+    """The gamma function, whose derivative is gamma(x) digamma(x)."""
+    value: arb = ball(x).gamma()
+    if not slopes_of(x):
+        return value
+    return carried(value, (value * ball(x).digamma(), x))
+
+
+def with_derivatives_of(
+    value: arb, function: Callable[[arb], arb], root: arb, slope: Callable[[arb], arb]
+) -> arb:
+    """The root x of function(x) = value with the derivatives that both carry, x' = (value' -
+    function'(at a fixed x))/slope.
+    """
+    if not slopes_of(value):
+        return root
+    return carried(root, (1 / slope(root), value - function(root)))
 
 
 def inverse(

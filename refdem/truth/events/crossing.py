@@ -8,12 +8,13 @@ in m - G(m)/D(I) (interval Newton).
 """
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Self
 
 from flint import arb
 
 from refdem.truth.balls import UndecidedError
+from refdem.truth.dual import ball, carried, slopes_of
 
 Along = Callable[[arb], arb]
 SPLIT = 63
@@ -178,6 +179,31 @@ def earliest(guards: list[Watched], low: arb, high: arb) -> tuple[str, arb] | No
             )
         first = watched.name, crossing
     return first
+
+
+def carried_crossing(guards: list[Watched], low: arb, high: arb) -> tuple[str, arb] | None:
+    """The crossing that `earliest` finds, of guards that may carry derivatives by parameters.
+
+    Where G(x) = 0 the derivative of x is -(that of G at a fixed x)/G'(x).
+    """
+    found = earliest([undirected(watched) for watched in guards], ball(low), ball(high))
+    if found is None:
+        return None
+    name, x = found
+    (crossed,) = [watched for watched in guards if watched.name == name]
+    value = crossed.value(x)
+    if not slopes_of(value):
+        return found
+    return name, carried(x, (-1 / ball(crossed.rate(x)), value))
+
+
+def undirected(watched: Watched) -> Watched:
+    """The same function without the derivatives that it carries."""
+
+    def without(rate: Along) -> Along:
+        return lambda x: ball(rate(x))
+
+    return replace(watched, rates=[without(rate) for rate in watched.rates])
 
 
 def crossing_before(watched: Watched, low: arb, other: tuple[str, arb]) -> arb | None:

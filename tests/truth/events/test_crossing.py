@@ -7,7 +7,8 @@ from fractions import Fraction
 import pytest
 from flint import arb
 
-from refdem.truth.events.crossing import SwitchError
+from refdem.truth.dual import parameters, slopes_of
+from refdem.truth.events.crossing import Along, SwitchError, Watched, carried_crossing
 from refdem.truth.events.motion import HybridMotion
 from refdem.truth.events.system import Entry, Guard, Mode, Traced
 
@@ -47,3 +48,17 @@ def test_few_bits_do_not_split_for_ever() -> None:
     motion = HybridMotion(modes, [arb(0, 0.5), arb(0)], Entry("run"), 48)
     with pytest.raises(SwitchError):
         motion.at(arb(1))
+
+
+def test_a_crossing_carries_the_derivatives_of_its_function() -> None:
+    """x^2 = p at x = sqrt(p), with the derivative 1/(2 sqrt p); a later one does not matter."""
+    (p,) = parameters([arb(2)])
+    square: list[Along] = [lambda x: p - x * x, lambda x: -2 * x]
+    later: list[Along] = [lambda x: 2 * p - x, lambda x: arb(-1)]
+    found = carried_crossing([Watched("later", later), Watched("square", square)], arb(0), arb(5))
+    assert found is not None
+    name, x = found
+    assert name == "square"
+    (slope,) = slopes_of(x)
+    assert slope.overlaps(arb(1) / (2 * arb(2).sqrt()))
+    assert slope.rad() < 1e-12

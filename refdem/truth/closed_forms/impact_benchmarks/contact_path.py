@@ -21,8 +21,7 @@ limit outgrows the slip again: both are proved by bisection and interval Newton.
 not certified.
 
 The masses are finite and move by less than 1e-20 of the overlap, which the radii contain
-(`total_bound`): so no more digits are certified than that leaves (`most_digits`).
-"""
+(XX"""
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -37,7 +36,7 @@ from refdem.errors import NotCertifiedError
 from refdem.truth.balls import UndecidedError, arb_of, ball_of, precision
 from refdem.truth.closed_form import ClosedForm, displaced_part, larger, per_precision
 from refdem.truth.dual import DualBall, parameters
-from refdem.truth.events.crossing import Along, SwitchError, Watched, earliest
+from refdem.truth.events.crossing import Along, SwitchError, Watched, carried_crossing
 from refdem.truth.growth import Grows, UnsharpError, upper
 from refdem.truth.swept_growth import Span, largest_growth
 
@@ -311,7 +310,7 @@ class ContactPath(ClosedForm):
         that is prescribed at zero.
         """
         slip: list[Along] = [partial(self.sided_slip, whole.side, order) for order in (0, 1)]
-        turns = earliest([Watched("slip", slip)], whole.begin, end)
+        turns = carried_crossing([Watched("slip", slip)], whole.begin, end)
         if turns is not None and self.path.friction:
             n = self.numbers()
             time = (turns[1] - n["x"]) / n["V"]
@@ -330,7 +329,7 @@ class ContactPath(ClosedForm):
         """
         if last.side:
             rates: list[Along] = [partial(self.excess_rate, last.side, order) for order in (0, 1)]
-            caught = earliest([Watched("caught", rates)], last.begin, end)
+            caught = carried_crossing([Watched("caught", rates)], last.begin, end)
             if caught is None:
                 return None
             x = caught[1]
@@ -344,7 +343,7 @@ class ContactPath(ClosedForm):
                 partial(self.margin, last, side, n) for n in range(max(2, order + 1))
             ]
             guards.append(Watched(str(side), margins, order))
-        slide = earliest(guards, last.begin, end)
+        slide = carried_crossing(guards, last.begin, end)
         if slide is None:
             return None
         name, x = slide

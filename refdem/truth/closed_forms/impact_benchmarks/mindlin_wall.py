@@ -36,7 +36,7 @@ from refdem.truth.closed_forms.impact_benchmarks.hertz_wall import (
     Strike,
     impact_constants,
 )
-from refdem.truth.events.crossing import Along, SwitchError, Watched, earliest
+from refdem.truth.events.crossing import Along, SwitchError, Watched, carried_crossing
 from refdem.truth.exact import sign_of
 from refdem.truth.growth import (
     UPWARDS,
@@ -173,7 +173,8 @@ class MindlinWallImpact(ClosedForm):
         if overlap > 0:
             x = arb_of(overlap) / contact.depth
         else:
-            x = zero / contact.depth
+            # Touch is at D = 0 for all parameters.
+            x = zero
         rate = spring.place(INWARD, x)[1] * contact.speed
         slides = slip > self.limit_slope() * rate
         if not slides and not slip < self.limit_slope() * rate:
@@ -243,7 +244,7 @@ class MindlinWallImpact(ClosedForm):
         if not self.strike.slip():
             return None
         guards = [self.guard(motion, side, x, at_limit) for side in (1, -1)]
-        crossing = earliest(guards, x, end)
+        crossing = carried_crossing(guards, x, end)
         if crossing is None:
             if motion.leg == OUTWARD:
                 raise UndecidedError("where the spring slips before the contact ends")
