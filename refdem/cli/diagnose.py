@@ -135,10 +135,9 @@ def diagnosed(
         finer_run = _trajectory(engine, finer)
         other = (finer, finer_run)
     misread = _misreading(instance, run, finer_run, seconds)
-    if misread is not None and misread.is_of_one:
+    if misread is not None and misread.is_plain:
         return misread, request.step
     found = diagnosis(instance, request, run, other, seconds)
-    # Two numbers at once may move as one known fault does, which is the simpler explanation.
     if misread is not None and found.explanation is None:
         return misread, request.step
     return found, request.step

@@ -89,7 +89,7 @@ class PowerContact:
         half = arb_of(Fraction(1, 2))
         x = ball(s)
         series: arb = (x * x).hypgeom_2f1(1 - self.a, half, arb_of(Fraction(3, 2)))
-        left = 2 * self.a * x * series
+        left: arb = 2 * self.a * x * series
         if not slopes_of(s):
             return left
         return carried(left, (self.turning_slowness(x), s))

@@ -110,7 +110,7 @@ def test_a_fault_that_is_no_misread_number_is_not_called_one(case: str, numbers:
         except (RefdemError, RuntimeWarning):
             # A fault may break its run off.
             continue
-        if found.is_of_one:
+        if found.is_plain:
             explained.append(fault.name)
     assert set(explained) == numbers
 

@@ -153,7 +153,7 @@ def test_two_equal_elastic_balls_exchange_their_motions() -> None:
     p = chosen.at(balls="2", velocities="2,1/2,0,0,0,0,0").p
     t = Fraction(1)
     of = sensitivities(chosen.truth, p, t, DIGITS).of
-    exact = {
+    exact: dict[tuple[str, str], Fraction | int] = {
         ("r1.x", "velocities.0"): 0,
         ("r1.x", "velocities.1"): t,
         ("r2.x", "velocities.0"): t,
