@@ -104,6 +104,13 @@ CHAIN: Rows = (
     *lasting("3/2", "12"),
 )
 """Two bobs on two rods, well below chaos."""
+CHAOTIC_CHAIN: Rows = (
+    ("theta0", "3,3"),
+    ("thetadot0", listed(*2 * [signed(0, 0.125, 64)])),
+    ("gravity", between(9, 10.5)),
+    *lasting("5", "96"),
+)
+"""Two equal bobs on equal rods, as high as the case is known to be chaotic."""
 COUPLED: Rows = (
     ("theta0", listed(signed(0.5, 0.75, 64), signed(0.125, 0.25, 64))),
     ("masses", listed(between(2, 4, 64), between(0.5, 1, 64))),
@@ -517,6 +524,11 @@ LORENZ: Rows = (
     ("n", "24"),
 )
 """Lorenz' equations near his own numbers, begun off the z axis."""
+CHAOTIC_LORENZ: Rows = (
+    ("start", listed(signed(2, 6, 16), signed(2, 6, 16), between(12, 20, 16))),
+    ("n", "96"),
+)
+"""Lorenz' equations at his own numbers, for so long that neighbours part by many powers of e."""
 ENTERED: Rows = (
     ("_x", between(-31 / 64, 31 / 64, 64)),
     ("_odd", between(1, 62, 1)),
@@ -639,12 +651,14 @@ SETTINGS: Mapping[str, Setting] = {
     "above": Setting("pendulum-equilibria", ABOVE, HELD),
     "below": Setting("pendulum-equilibria", BELOW, HELD),
     "chain": Setting("double-pendulum", CHAIN, HELD),
+    "chaotic-chain": Setting("double-pendulum", CHAOTIC_CHAIN, ("verlet", "suzuki")),
     "coupled": Setting("coupled-pendulums", COUPLED, HELD),
     "captured": Setting("captured-mass", CAPTURED, TOUCHING),
     "machine": Setting("pendulum-wheel-mass", MACHINE, HELD),
     "chaotic-map": Setting("logistic", CHAOTIC_MAP, ITERATED),
     "growth": Setting("logistic", GROWTH, ITERATED),
     "lorenz": Setting("lorenz", LORENZ, ITERATED),
+    "chaotic-lorenz": Setting("lorenz", CHAOTIC_LORENZ, ITERATED),
     "stadium": Setting("billiards", STADIUM, ITERATED),
     "rectangle": Setting("billiards", RECTANGLE, ITERATED),
     "head": Setting("phase-flow", HEAD, ("carried",)),
