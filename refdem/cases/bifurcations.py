@@ -38,8 +38,9 @@ class Bifurcations(AlgebraCase):
         "Harmonic balance keeps only the terms at the frequency of the drive. One amplitude then"
         " belongs to two frequencies, and between its folds one frequency to three amplitudes: a"
         " drive that is raised slowly falls off the upper fold, one that is lowered jumps at the"
-        " lower. The logistic map settles on one value up to eta = 3, alternates between two up to"
-        " 1 + sqrt 6, and between four up to 3.5440903596. All are roots of polynomials."
+        " lower. A spring that hardens leans the resonance to higher drives, one that softens to"
+        " lower ones. The logistic map settles on one value up to eta = 3, alternates between two"
+        " up to 1 + sqrt 6, and between four up to 3.5440903596. All are roots of polynomials."
     )
     latex = (
         r"f_0^2=A^2\left((k-\omega^2)^2+4\delta^2\omega^2\right),\;"
@@ -64,8 +65,7 @@ class Bifurcations(AlgebraCase):
             name="beta",
             default="2/5",
             unit="1/(m^2 s^2)",
-            doc="cubic part of the spring per mass",
-            above=0,
+            doc="cubic part of the spring per mass, below 0 for one that softens",
         ),
         Parameter(
             name="delta",
@@ -88,7 +88,11 @@ class Bifurcations(AlgebraCase):
     )
 
     def refuse(self, p: Parameters) -> None:
-        """Raises UsageError for an amplitude that fewer than two drives have, and without folds."""
+        """Raises UsageError for an amplitude that fewer than two drives have, without a cube, and
+        without folds.
+        """
+        if p.beta == 0:
+            raise UsageError("parameter beta: got 0; expected a spring that is not linear")
         drives = np.array(balanced_drives(p.amplitude, p.alpha, p.beta, p.delta, p.f0))
         if not np.all(np.isfinite(drives)) or not drives[0] < drives[1]:
             raise UsageError(
@@ -98,7 +102,7 @@ class Bifurcations(AlgebraCase):
         if folds(p.alpha, p.beta, p.delta, p.f0) is None:
             raise UsageError(
                 f"parameter delta: got {p.delta:g}; expected so little damping that the resonance"
-                " folds"
+                " folds, and of a spring that softens so much that it closes"
             )
 
     def rows(self, p: Parameters) -> list[Row]:
@@ -149,7 +153,9 @@ def _sizes_of_balance(p: Parameters) -> tuple[float, float]:
     stiffness = p.alpha + 0.75 * p.beta * p.amplitude**2
     square = (p.f0 / p.amplitude) ** 2
     discriminant = square - 4 * p.delta**2 * (stiffness - p.delta**2)
-    moved = stiffness + (square + 4 * p.delta**2 * stiffness) / np.sqrt(discriminant)
+    # A spring that softens has a small k that is the difference of two larger terms.
+    terms = p.alpha + 0.75 * abs(p.beta) * p.amplitude**2
+    moved = terms + (square + 4 * p.delta**2 * terms) / np.sqrt(discriminant)
     lower, higher = balanced_drives(p.amplitude, p.alpha, p.beta, p.delta, p.f0)
     drive = float(higher + moved / lower)
     return drive, float(p.f0 + 2 * p.amplitude * moved)
@@ -177,8 +183,8 @@ def _sizes_of_folds(p: Parameters) -> dict[str, float]:
         powers = np.array([2, 1, -1, -3])
         # The part of S by which a relative rounding of the terms moves it: large where the folds
         # are about to meet. Each term has some four roundings.
-        magnified = max(1.0, 4 * float(np.sum(terms) / abs(powers @ terms)))
-        of_square = p.alpha + h * s + square / (h * s**2)
+        magnified = max(1.0, 4 * float(np.sum(abs(terms)) / abs(powers @ terms)))
+        of_square = p.alpha + abs(h) * s + square / (abs(h) * s**2)
         sizes[f"{side}-fold.0"] = (drive + of_square / drive) * magnified
         sizes[f"{side}-fold.1"] = amplitude * magnified
     return sizes

@@ -28,17 +28,32 @@ from refdem.faults.draws import (
 class Setting:
     """A case with random parameters.
 
-    `methods` are those of the transparent engine that run it; truth is withheld unless `proved`.
+    `methods` are those of the transparent engine that run it, or of another `engine` where that has
+    elements which the transparent one has not; truth is withheld unless `proved`.
     """
 
     case: str
     rows: Rows
     methods: tuple[str, ...]
     proved: bool = True
+    engine: str = ""
 
     def parameters(self, name: str, seed: int) -> dict[str, str]:
         """The parameters of a seed, as text."""
         return parameters(self.rows, np.random.default_rng([seed, *name.encode()]))
+
+
+def middle_amplitude(drive: float) -> complex:
+    """The middle of three complex amplitudes A that harmonic balance has under 3/2 cos(w t) at the
+    case's own spring, where x = Re(A exp(i w t)) (1.120).
+
+    S = |A|^2 solves h^2 S^3 + 2 h g S^2 + (g^2 + 4 delta^2 w^2) S = f0^2, g = alpha - w^2.
+    """
+    alpha, h, delta, force = 1.0, 0.75 * 0.4, 0.1, 1.5
+    g = alpha - drive**2
+    roots = np.roots([h * h, 2 * h * g, g * g + (2 * delta * drive) ** 2, -force * force])
+    _, middle, _ = sorted(roots.real)
+    return force / complex(g + h * middle, 2 * delta * drive)
 
 
 def lasting(duration: str, samples: str) -> Rows:
@@ -104,6 +119,13 @@ CHAIN: Rows = (
     *lasting("3/2", "12"),
 )
 """Two bobs on two rods, well below chaos."""
+CHAOTIC_CHAIN: Rows = (
+    ("theta0", "3,3"),
+    ("thetadot0", listed(*2 * [signed(0, 0.125, 64)])),
+    ("gravity", between(9, 10.5)),
+    *lasting("5", "96"),
+)
+"""Two equal bobs on equal rods, as high as the case is known to be chaotic."""
 COUPLED: Rows = (
     ("theta0", listed(signed(0.5, 0.75, 64), signed(0.125, 0.25, 64))),
     ("masses", listed(between(2, 4, 64), between(0.5, 1, 64))),
@@ -222,6 +244,19 @@ TRIPLING: Rows = (
     *lasting("32", "64"),
 )
 """A damped spring with a cube under a drive, for so long that its third harmonic is told apart."""
+MIDDLE: Rows = (
+    ("drive", between(112 / 64, 118 / 64, 64)),
+    ("_balanced", computed(lambda drawn: middle_amplitude(float(drawn["drive"])))),
+    ("x0", computed(lambda drawn: Fraction(round(64 * drawn["_balanced"].real), 64))),
+    (
+        "v0",
+        computed(lambda drawn: Fraction(-round(64 * drawn["drive"] * drawn["_balanced"].imag), 64)),
+    ),
+    *lasting("32", "64"),
+)
+"""Duffing's oscillator under a drive between its folds, begun beside the middle amplitude of three,
+which it leaves.
+"""
 STEEP: Rows = (
     ("mass", between(0.5, 2)),
     ("stiffness", between(0.5, 2)),
@@ -497,6 +532,15 @@ HERTZ: Rows = (
     ("samples", "32"),
 )
 """Two Hertzian spheres."""
+GAS: Rows = (
+    ("n", "1000"),
+    ("contact", "rigid"),
+    ("restitution", between(48 / 64, 56 / 64, 64)),
+    ("seed", between(1, 10_000, 1)),
+    *lasting("16", "8"),
+)
+"""A thousand rigid spheres in a periodic box, which cool while each of them meets some five others.
+"""
 
 # Maps, billiards and outlines.
 CHAOTIC_MAP: Rows = (("eta", "4"), ("x0", between(5 / 64, 59 / 64, 64)), ("n", "48"))
@@ -517,6 +561,11 @@ LORENZ: Rows = (
     ("n", "24"),
 )
 """Lorenz' equations near his own numbers, begun off the z axis."""
+CHAOTIC_LORENZ: Rows = (
+    ("start", listed(signed(2, 6, 16), signed(2, 6, 16), between(12, 20, 16))),
+    ("n", "96"),
+)
+"""Lorenz' equations at his own numbers, for so long that neighbours part by many powers of e."""
 ENTERED: Rows = (
     ("_x", between(-31 / 64, 31 / 64, 64)),
     ("_odd", between(1, 62, 1)),
@@ -590,6 +639,7 @@ SETTINGS: Mapping[str, Setting] = {
     "lopsided-down": Setting("quadratic-response", LOPSIDED_DOWN, SMOOTH),
     "mixing": Setting("quadratic-response", MIXING, DAMPED),
     "tripling": Setting("driven-duffing", TRIPLING, DAMPED),
+    "middle": Setting("driven-duffing", MIDDLE, DAMPED),
     "cycle-and-drive": Setting("van-der-pol", CYCLE_AND_DRIVE, DAMPED),
     "far": Setting("harmonic-oscillator", FAR, SMOOTH),
     "along-wall": Setting("impact-benchmarks", ALONG_WALL, TOUCHING),
@@ -630,6 +680,7 @@ SETTINGS: Mapping[str, Setting] = {
     "ramp": Setting("rolling", RAMP, TOUCHING),
     "chute": Setting("rolling", CHUTE, TOUCHING),
     "hertz": Setting("hertz-spheres", HERTZ, TOUCHING),
+    "gas": Setting("granular-gas", GAS, ("impacts",), engine="reference"),
     # In single precision one pair of levels is left above round-off.
     "tent": Setting("asymmetric-field", TENT, ("verlet",)),
     "wedge": Setting("wedge-collision", WEDGE, TOUCHING),
@@ -639,12 +690,14 @@ SETTINGS: Mapping[str, Setting] = {
     "above": Setting("pendulum-equilibria", ABOVE, HELD),
     "below": Setting("pendulum-equilibria", BELOW, HELD),
     "chain": Setting("double-pendulum", CHAIN, HELD),
+    "chaotic-chain": Setting("double-pendulum", CHAOTIC_CHAIN, ("verlet", "suzuki")),
     "coupled": Setting("coupled-pendulums", COUPLED, HELD),
     "captured": Setting("captured-mass", CAPTURED, TOUCHING),
     "machine": Setting("pendulum-wheel-mass", MACHINE, HELD),
     "chaotic-map": Setting("logistic", CHAOTIC_MAP, ITERATED),
     "growth": Setting("logistic", GROWTH, ITERATED),
     "lorenz": Setting("lorenz", LORENZ, ITERATED),
+    "chaotic-lorenz": Setting("lorenz", CHAOTIC_LORENZ, ITERATED),
     "stadium": Setting("billiards", STADIUM, ITERATED),
     "rectangle": Setting("billiards", RECTANGLE, ITERATED),
     "head": Setting("phase-flow", HEAD, ("carried",)),

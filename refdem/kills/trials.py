@@ -102,6 +102,16 @@ def setting_at(setting: str, seed: int) -> tuple[Instance, SampledTruth]:
     return instance, truth
 
 
+def engine_of(setting: str) -> Engine:
+    """The engine without any fault that runs a setting: the transparent one unless another is
+    named.
+    """
+    name = SETTINGS[setting].engine
+    if name:
+        return discovery.engine(name)
+    return Transparent()
+
+
 @dataclass(frozen=True)
 class FaultTrial:
     """The trial of an engine: all of its faults against all checks at `seeds` seeds from `first`
@@ -189,7 +199,7 @@ class FaultTrial:
         checks: tuple[str, ...] = ()
         if not self.whole or seed != 0:
             checks = _needed(fault)
-        engine = fault.carrier(self.engine)
+        engine = fault.carrier(self.engine or engine_of(setting))
         # Runs of fewer levels are used again with more of them.
         known_runs = dict[Variant, Run]()
         # An order needs some levels; other checks may see a fault at the first.
@@ -235,12 +245,12 @@ class FaultTrial:
         work = list(product(self.drawn, settings))
         for seed, setting in counted(work, "sound engine", len(work), self.progress):
             instance, truth = self.instance(setting, seed)
-            engine = self.engine or Transparent()
+            engine = self.engine or engine_of(setting)
             method = self._method(setting, seed)
             yield self._record(engine, method, instance, truth, FEWEST, ()), setting, seed
 
     def _method(self, setting: str, seed: int) -> str:
-        """The transparent engine's method at a seed; the methods of a setting take turns.
+        """The method at a seed of the engine of a setting; the methods of a setting take turns.
 
         Empty for an engine that the caller brought, whose method `_record` chooses.
         """

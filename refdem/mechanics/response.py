@@ -134,56 +134,131 @@ def balanced_force(
     return float(amplitude * np.hypot(k - drive**2, 2 * delta * drive))
 
 
-def folds(alpha: float, beta: float, delta: float, f0: float) -> Folds | None:
-    """Both folds of harmonic balance (1.120), or None if one drive has one amplitude everywhere;
-    for a hardening spring with damping, alpha, beta, delta > 0, and f0 != 0.
+class _Balance(NamedTuple):
+    """The balance (1.120) where one amplitude turns into three: S = A^2 solves `excess` = 0 there.
 
-    With S = A^2, h = 3 beta/4 and u = alpha + h S - w^2 the balance is S (u^2 + 4 delta^2 w^2) =
-    f0^2. At a fold its derivative by S vanishes too, which gives u = -f0^2/(2 h S^2) and
+    With h = 3 beta/4 and u = alpha + h S - w^2 the balance is S (u^2 + 4 delta^2 w^2) = f0^2. At a
+    fold its derivative by S vanishes too, which gives u = -f0^2/(2 h S^2) and
 
         16 delta^2 h^2 (h S^2 + alpha S) + 8 delta^2 h f0^2/S + f0^4/S^3 = 4 h^2 f0^2.
 
-    Each term on the left is convex for S > 0, so that there are two solutions or none.
+    `damping` is 4 delta^2, `square` f0^2.
     """
-    h = 0.75 * beta
-    square = f0 * f0
-    damping = 4 * delta * delta
 
-    def excess(s: float) -> float:
+    alpha: float
+    h: float
+    damping: float
+    square: float
+
+    @property
+    def undamped(self) -> float:
+        """The square S of the amplitude of the only fold without damping, S^3 = f0^2/(4 h^2)."""
+        return float(np.cbrt(self.square / (4 * self.h * self.h)))
+
+    def excess(self, s: float) -> float:
         """The left side less the right one."""
-        rising = 4 * damping * h * h * (h * s + alpha) * s
-        falling = 2 * damping * h * square / s + square * square / s**3
-        return rising + falling - 4 * h * h * square
+        h = self.h
+        stiff = 4 * self.damping * h * h * (h * s + self.alpha) * s
+        driven = 2 * self.damping * h * self.square / s + self.square * self.square / s**3
+        return stiff + driven - 4 * h * h * self.square
 
-    def slope(s: float) -> float:
-        """The derivative of the left side, which grows with S."""
-        rising = 4 * damping * h * h * (2 * h * s + alpha)
-        return rising - 2 * damping * h * square / s**2 - 3 * square * square / s**4
+    def slope(self, s: float) -> float:
+        """The derivative of the left side by S."""
+        h = self.h
+        stiff = 4 * self.damping * h * h * (2 * h * s + self.alpha)
+        driven = 2 * self.damping * h * self.square / s**2 + 3 * self.square * self.square / s**4
+        return stiff - driven
 
-    # Without damping there is one fold, at S^3 = f0^2/(4 h^2); with it they lie beyond.
-    undamped = float(np.cbrt(square / (4 * h * h)))
-    if slope(undamped) >= 0:
+    def drive_square(self, s: float) -> float:
+        """The square of the drive of a fold: w^2 = alpha + h S + f0^2/(2 h S^2)."""
+        return self.alpha + self.h * s + self.square / (2 * self.h * s * s)
+
+    def fold_at(self, s: float) -> tuple[float, float]:
+        """Drive [rad/s] and amplitude of the fold at S = A^2."""
+        return float(np.sqrt(self.drive_square(s))), float(np.sqrt(s))
+
+
+def folds(alpha: float, beta: float, delta: float, f0: float) -> Folds | None:
+    """Both folds of harmonic balance (1.120), or None if one drive has one amplitude everywhere;
+    for a spring with damping, alpha, delta > 0, beta != 0 and f0 != 0.
+
+    A spring that hardens, beta > 0, leans the resonance to higher drives, and one that softens to
+    lower ones: the upper fold has the larger amplitude with the first, the lower with the second.
+    None, too, for a spring that softens if the resonance does not close below the barrier, or leans
+    down to drives that are not real.
+    """
+    balance = _Balance(alpha, 0.75 * beta, 4 * delta * delta, f0 * f0)
+    if beta > 0:
+        return _hardening_folds(balance)
+    return _softening_folds(balance, delta)
+
+
+def _hardening_folds(balance: _Balance) -> Folds | None:
+    """The folds for h > 0: each term of the left side is convex for S > 0, so that there are two
+    solutions or none.
+    """
+    # Without damping there is one fold; with it they lie beyond.
+    undamped = balance.undamped
+    if balance.slope(undamped) >= 0:
         return None
     beyond = undamped
-    while slope(beyond) < 0:
+    while balance.slope(beyond) < 0:
         beyond *= 2
-    least = _change_of_sign(slope, undamped, beyond)
-    if excess(least) >= 0:
+    least = _change_of_sign(balance.slope, undamped, beyond)
+    if balance.excess(least) >= 0:
         return None
-    while excess(beyond) < 0:
+    while balance.excess(beyond) < 0:
         beyond *= 2
-    lower = _change_of_sign(excess, least, undamped)
-    upper = _change_of_sign(excess, least, beyond)
-    return Folds(
-        lower=_fold_at(lower, alpha, h, square),
-        upper=_fold_at(upper, alpha, h, square),
-    )
+    lower = _change_of_sign(balance.excess, least, undamped)
+    upper = _change_of_sign(balance.excess, least, beyond)
+    return Folds(lower=balance.fold_at(lower), upper=balance.fold_at(upper))
 
 
-def _fold_at(s: float, alpha: float, h: float, square: float) -> tuple[float, float]:
-    """Drive [rad/s] and amplitude of the fold at S = A^2: w^2 = alpha + h S + f0^2/(2 h S^2)."""
-    drive = float(np.sqrt(alpha + h * s + square / (2 * h * s * s)))
-    return drive, float(np.sqrt(s))
+def _softening_folds(balance: _Balance, delta: float) -> Folds | None:
+    """The folds for h < 0, below the tip of the resonance.
+
+    Both branches w^2 = alpha + h S - 2 delta^2 -+ sqrt(f0^2/S - 4 delta^2 (alpha + h S - delta^2))
+    meet where the root vanishes: 4 delta^2 (-h) S^2 - 4 delta^2 (alpha - delta^2) S + f0^2 = 0. The
+    smaller solution is the tip; a third fold lies beyond the larger one, at the barrier.
+    """
+    linear = balance.damping * (balance.alpha - delta * delta)
+    discriminant = linear**2 + 4 * balance.damping * balance.h * balance.square
+    if linear <= 0 or discriminant <= 0:
+        return None
+    tip = 2 * balance.square / (linear + float(np.sqrt(discriminant)))
+    least = _least_excess(balance)
+    is_folded = least < tip and balance.excess(least) < 0 < balance.excess(tip)
+    if not is_folded:
+        return None
+    before = least
+    while balance.excess(before) < 0:
+        before /= 2
+    upper = _change_of_sign(balance.excess, least, before)
+    lower = _change_of_sign(balance.excess, least, tip)
+    if balance.drive_square(lower) <= 0:
+        return None
+    return Folds(lower=balance.fold_at(lower), upper=balance.fold_at(upper))
+
+
+def _least_excess(balance: _Balance) -> float:
+    """The smallest S > 0 at which the slope of the excess changes its sign; infinite if nowhere.
+
+    S^4 times the slope is a polynomial, 8 d h^3 S^5 + 4 d h^2 alpha S^4 - 2 d h f0^2 S^2 - 3 f0^4
+    with d = 4 delta^2, here of S in units of the undamped fold.
+    """
+    unit = balance.undamped
+    h = balance.h
+    coefficients = [
+        8 * balance.damping * h**3 * unit**5,
+        4 * balance.damping * h**2 * balance.alpha * unit**4,
+        0.0,
+        -2 * balance.damping * h * balance.square * unit**2,
+        0.0,
+        -3 * balance.square**2,
+    ]
+    roots = np.roots(coefficients)
+    positive = roots.real[(roots.imag == 0) & (roots.real > 0)]
+    return float(unit * np.min(positive, initial=np.inf))
 
 
 def _change_of_sign(value: Callable[[float], float], below: float, above: float) -> float:

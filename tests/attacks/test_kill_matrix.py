@@ -15,7 +15,7 @@ from refdem.faults.change import of_elements, scaled
 from refdem.faults.fault import Fault
 from refdem.faults.settings import SETTINGS
 from refdem.faults.transparent import Transparent
-from refdem.kills.trials import FaultTrial
+from refdem.kills.trials import FaultTrial, engine_of
 from refdem.planning.in_process import record_of, task_of, truth_of
 from refdem.scene.elements.spring import Spring
 
@@ -37,7 +37,7 @@ def test_a_fault_is_killed_by_the_quantity_named_for_it(trial, fault):
 def test_nothing_is_said_against_the_correct_engine(trial, setting):
     instance, truth = trial.instance(setting, SEED)
     for method in SETTINGS[setting].methods:
-        record = record_of(task_of(Transparent(), method, instance, truth, 3))
+        record = record_of(task_of(engine_of(setting), method, instance, truth, 3))
         assert [
             f"{record.id(f)}: {f.sentence}"
             for f in record.findings

@@ -7,6 +7,7 @@ import pytest
 
 from refdem.core import discovery
 from refdem.errors import NotCertifiedError
+from refdem.truth.sampled import sampled
 
 OUT = [
     ("driven-duffing", {"beta": "-0.235", "f0": "1440", "duration": "0.25", "samples": "16"}),
@@ -37,3 +38,16 @@ def test_a_drive_that_does_not_carry_it_out_leaves_the_scales_of_the_well():
     assert 1.0 < inside.scales.length < 1.2
     fast = discovery.case("driven-duffing").at(beta="-0.235", f0="1440", drive="100", x0="0")
     assert fast.scales.length <= np.sqrt(1 / 0.235)
+
+
+@pytest.mark.parametrize("beside", ["-65/32", "-61/32"])
+def test_a_start_beside_the_middle_of_three_amplitudes_leaves_it_for_the_small_one(beside):
+    """Harmonic balance has 0.707, 2.401 and 2.944 m at 9/5 rad/s; the middle one starts at x =
+    -1.962 m, v = 2.490 m/s.
+    """
+    instance = discovery.case("driven-duffing").at(
+        drive="9/5", x0=beside, v0="5/2", duration="64", samples="256"
+    )
+    places = abs(sampled(instance.truth(), instance.times.tolist()).value("x"))
+    assert 2 < np.max(places[:16]) < 2.6
+    assert np.max(places[-32:]) == pytest.approx(0.717, abs=0.02)

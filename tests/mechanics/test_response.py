@@ -5,6 +5,7 @@ import pytest
 
 from refdem.core import discovery
 from refdem.mechanics.response import (
+    balanced_drives,
     balanced_force,
     fold,
     folds,
@@ -127,6 +128,52 @@ def test_at_a_fold_the_drive_neither_rises_nor_falls_with_the_amplitude() -> Non
         step = 1e-4
         beside = [balanced_force(amplitude + side, drive, 1.0, 0.4, 0.1) for side in (-step, step)]
         assert beside[1] - beside[0] == pytest.approx(0.0, abs=1e-9)
+
+
+def test_a_spring_that_softens_leans_the_resonance_to_lower_drives() -> None:
+    """The larger amplitudes belong to the lower fold, and the drive has an extremum at both."""
+    found = folds(1.0, -0.05, 0.02, 0.1)
+    assert found is not None
+    assert found.lower[0] < found.upper[0] < 1
+    assert found.lower[1] > found.upper[1]
+    for drive, amplitude in found:
+        beside = [
+            balanced_drives(np.array(amplitude + side), 1.0, -0.05, 0.02, 0.1)[0]
+            for side in (-1e-5, 0.0, 1e-5)
+        ]
+        assert beside[1] == pytest.approx(drive, rel=1e-13)
+        assert beside[2] - beside[0] == pytest.approx(0.0, abs=1e-9)
+
+
+def test_between_the_folds_of_a_spring_that_softens_a_drive_has_three_amplitudes() -> None:
+    """They are the roots S of h^2 S^3 + 2 h g S^2 + (g^2 + 4 delta^2 w^2) S = f0^2, g = alpha -
+    w^2, but one near the barrier at 4.8 m, if there is one.
+    """
+    found = folds(1.0, -0.05, 0.02, 0.1)
+    assert found is not None
+    h = -0.0375
+
+    def count(drive: float) -> int:
+        g = 1 - drive**2
+        roots = np.roots([h * h, 2 * h * g, g * g + (0.04 * drive) ** 2, -0.01])
+        real = roots.real[abs(roots.imag) < 1e-9]
+        return int(np.sum(np.sqrt(real) < 4.8))
+
+    below, above = found.lower[0], found.upper[0]
+    assert [count(below - 1e-3), count(below + 1e-3)] == [1, 3]
+    assert [count(above - 1e-3), count(above + 1e-3)] == [3, 1]
+
+
+@pytest.mark.parametrize(
+    ("delta", "f0"),
+    [
+        pytest.param(0.1, 0.1, id="too much damping"),
+        pytest.param(0.01, 0.3, id="both branches go on to the barrier"),
+        pytest.param(2.0, 0.1, id="no resonance at all"),
+    ],
+)
+def test_a_spring_that_softens_has_no_folds(delta: float, f0: float) -> None:
+    assert folds(1.0, -0.05, delta, f0) is None
 
 
 @pytest.mark.parametrize("delta", [0.25, 0.3, 2.0])

@@ -60,6 +60,8 @@ STATICS = {
         {"delta": "1/5", "eta": "4"},
         {"delta": "1e-6", "beta": "1e-3", "f0": "50", "amplitude": "100", "eta": "3.0001"},
         {"delta": "6/25", "alpha": "11/10", "f0": "8/5", "amplitude": "17/10"},
+        {"beta": "-1/20", "delta": "1/50", "f0": "1/10"},
+        {"beta": "-1/5", "delta": "1/20", "f0": "1/10", "amplitude": "9/10"},
     ],
 }
 EVERY = [(case, given) for case, sets in STATICS.items() for given in sets]

@@ -67,6 +67,7 @@ SETTINGS = [
     ("hertz-spheres", {}, "3/20"),
     ("hertz-spheres", {}, "1"),
     ("bifurcations", {}, "0"),
+    ("bifurcations", {"beta": "-1/20", "delta": "1/50", "f0": "1/10"}, "0"),
     ("billiard-break", {"rows": "2", "friction": "1/10"}, "3/2"),
     ("rigid-cluster", {}, "1/2"),
     ("phase-flow", {}, "5/2"),

@@ -56,6 +56,11 @@ def _omega_body(request: Request, run: Trajectory) -> Trajectory:
     return replace(run, omega=rotated(conjugate(run.attitude), run.omega))
 
 
+def _printed(vector: tuple[float, ...]) -> tuple[float, ...]:
+    """The vector rounded to three decimals."""
+    return tuple(round(x, 3) for x in vector)
+
+
 def _last_rod(request: Request, factor: float) -> Request:
     """The last rod longer by a factor."""
     scene = request.problem.scene
@@ -128,6 +133,13 @@ FAULTS = (
         sees=("error", "theta1"),
         levels=4,
         inside=of_parts(reaction=lambda force: vec.ZERO),
+    ),
+    chain(
+        name="chain-three-decimals",
+        sentence="Places and velocities are kept with three decimals from step to step.",
+        on=("chaotic-chain",),
+        sees=("lyapunov", "class"),
+        inside=of_results(drifted=_printed, kicked=_printed),
     ),
     chain(
         name="chain-reaction-twice",

@@ -28,9 +28,17 @@ from refdem.faults.change import (
 from refdem.faults.fault import Fault
 from refdem.faults.parts import Parts
 from refdem.mechanics import vectors as vec
+from refdem.scene import Scene, Sphere
 from refdem.scene.elements.contact import Contact
 
 impact = partial(Fault, kind="impacts")
+
+
+def _slimmer(request: Request) -> Request:
+    """The request with spheres of 0.9 of their radii, and the same moments of inertia."""
+    scene = request.problem.scene
+    shapes = tuple(Sphere(radius=0.9 * radius) for radius in scene.bodies.radius.tolist())
+    return request.with_scene(Scene(replace(scene.bodies, shape=shapes), scene.elements))
 
 
 def _of_impact(**parts: Any) -> Inside:
@@ -416,5 +424,25 @@ FAULTS = (
         on=("drop",),
         sees=("rigid-impact", "restitution"),
         inside=_of_impact(normal_impulse=_resting_below(4.0)),
+    ),
+    Fault(
+        name="restitution-of-energies",
+        kind="gas",
+        sentence="Restitution is read as the ratio of energies: velocities keep its square root.",
+        on=("gas",),
+        sees=("cooling", "temperature"),
+        method="impacts",
+        levels=1,
+        before=of_elements(Contact, restitution=lambda e: e**0.5),
+    ),
+    Fault(
+        name="spheres-slimmer",
+        kind="gas",
+        sentence="Spheres meet when they are nearer than 0.9 of their diameter: some do not meet.",
+        on=("gas",),
+        sees=("cooling", "collisions"),
+        method="impacts",
+        levels=1,
+        before=_slimmer,
     ),
 )

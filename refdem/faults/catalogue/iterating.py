@@ -39,6 +39,11 @@ def _rounded(state: tuple[float, ...]) -> tuple[float, ...]:
     return tuple(round(x, 6) for x in SOUND_MAPS.settled(state))
 
 
+def _printed(state: tuple[float, ...]) -> tuple[float, ...]:
+    """The state rounded to three decimals."""
+    return tuple(round(x, 3) for x in state)
+
+
 def _shrinking(state: tuple[float, ...]) -> tuple[float, ...]:
     """The direction loses a part in 1e12 of its length at every bounce."""
     x, y, u, v = state
@@ -173,6 +178,13 @@ FAULTS = (
         on=("chaotic-map",),
         sees=("lyapunov", "class"),
         inside=_with(settled=_rounded),
+    ),
+    mapped(
+        name="flow-three-decimals",
+        sentence="A flow goes on from its state with three decimals, as Lorenz' printer had it.",
+        on=("chaotic-lorenz",),
+        sees=("lyapunov", "class"),
+        inside=_with(settled=_printed),
     ),
     mapped(
         name="reflection-short",

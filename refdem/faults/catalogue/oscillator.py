@@ -2,13 +2,16 @@
 dashpot.
 """
 
+from dataclasses import replace
 from functools import partial
 from math import pi
 from typing import Any
 
 import msgspec
+import numpy as np
 
 from refdem.core.problem import Request
+from refdem.core.trajectory import Trajectory
 from refdem.faults.change import late_force, of_elements, of_force, of_results, scaled
 from refdem.faults.fault import Fault
 from refdem.mechanics import vectors as vec
@@ -36,6 +39,20 @@ def _restarted(request: Request) -> Request:
             phase = force.phase + force.frequency * start
             elements[number] = msgspec.structs.replace(force, phase=phase)
     return request.with_scene(Scene(scene.bodies, tuple(elements)))
+
+
+def _stays(request: Request, run: Trajectory) -> Trajectory:
+    """The motion goes on at the frequency of the drive, in the amplitude and phase of the start."""
+    (force,) = request.problem.scene.all(Force)
+    w = force.frequency
+    x0 = run.position[0, 0, 0]
+    v0 = run.velocity[0, 0, 0]
+    turned = w * (run.t - run.t[0])
+    position = run.position.copy()
+    velocity = run.velocity.copy()
+    position[:, 0, 0] = x0 * np.cos(turned) + v0 / w * np.sin(turned)
+    velocity[:, 0, 0] = v0 * np.cos(turned) - w * x0 * np.sin(turned)
+    return replace(run, position=position, velocity=velocity)
 
 
 def _last_force(request: Request) -> Request:
@@ -145,6 +162,13 @@ FAULTS = (
         sentence="The cube has the factor 1/4 of its potential.",
         on=("hardening",),
         before=of_elements(Spring, cubic=scaled(0.25)),
+    ),
+    oscillator(
+        name="response-stays",
+        sentence="The response stays beside the middle amplitude, as harmonic balance has it.",
+        on=("middle",),
+        method="rk4",
+        after=_stays,
     ),
     oscillator(
         name="third-harmonic-sign",

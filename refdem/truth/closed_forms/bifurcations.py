@@ -8,7 +8,11 @@ u = -f0^2/(2 h S^2), q = alpha + h S + f0^2/(2 h S^2), and
     16 delta^2 h^3 S^5 + 16 delta^2 h^2 alpha S^4 - 4 h^2 f0^2 S^3 + 8 delta^2 h f0^2 S^2 + f0^4
     = 0.
 
-Its coefficients change sign twice: it has two positive roots or none (Descartes).
+For h > 0 its coefficients change sign twice: it has two positive roots or none (Descartes). For h <
+0 they change sign three times. The branches w^2 = k - 2 delta^2 -+ sqrt(D), k = alpha + h S, meet
+where D = f0^2/S - 4 delta^2 (k - delta^2) vanishes; if it does, the smaller solution S_t is the tip
+of the resonance, and the folds of the resonance are the roots below S_t. The third root lies beyond
+the larger solution, where amplitudes reach the barrier at k = 0.
 
 Doublings. w = eta (1/2 - x) has the map w -> w^2 + c, with c = eta/2 - eta^2/4, v = 4 c = 1 - (eta
 - 1)^2. The cycle of one iterate has the multiplier -1 at v = -3, that of two at v = -5. The
@@ -69,9 +73,35 @@ def fold_squares(p: Parameters) -> tuple[arb, arb]:
     ]
     polynomial = fmpq_poly([fmpq(c.numerator, c.denominator) for c in coefficients])
     positive = [root for root in real_roots(polynomial) if root > 0]
-    if len(positive) != 2:
+    if h > 0:
+        expected = 2
+    else:
+        expected = 3
+    if len(positive) != expected:
         raise NotCertifiedError("the resonance has no two folds")
-    return moving_root(positive[0], coefficients), moving_root(positive[1], coefficients)
+    if h > 0:
+        lower, upper = positive
+    else:
+        # A resonance that leans to lower drives has its larger amplitudes there.
+        upper, lower, _ = positive
+        if not lower < tip_square(p):
+            raise NotCertifiedError("the resonance has no two folds below its tip")
+    return moving_root(lower, coefficients), moving_root(upper, coefficients)
+
+
+def tip_square(p: Parameters) -> arb:
+    """The square S_t of the largest amplitude of the resonance of a spring that softens, where both
+    branches meet: 4 delta^2 (-h) S^2 - 4 delta^2 (alpha - delta^2) S + f0^2 = 0.
+    """
+    values = numbers(p, "alpha", "beta", "delta", "f0")
+    force = plain(values["f0"]) ** 2
+    damping = plain(values["delta"]) ** 2
+    softening = -plain(values["beta"]) * Fraction(3, 4)
+    linear = 4 * damping * (plain(values["alpha"]) - damping)
+    discriminant = linear**2 - 16 * damping * softening * force
+    if linear <= 0 or discriminant <= 0:
+        raise NotCertifiedError("the resonance does not close below the barrier")
+    return 2 * arb_of(force) / (arb_of(linear) + arb_of(discriminant).sqrt())
 
 
 def moving_root(root: arb, coefficients: Sequence[Fraction]) -> arb:
@@ -96,8 +126,10 @@ def fold(p: Parameters, s: arb) -> list[arb]:
     values = numbers(p, "alpha", "beta", "f0")
     h = arb_of(values["beta"] * 3 / 4)
     square = arb_of(values["f0"] ** 2)
-    drive = (arb_of(values["alpha"]) + h * s + square / (2 * h * s * s)).sqrt()
-    return [drive, s.sqrt()]
+    drive_square = arb_of(values["alpha"]) + h * s + square / (2 * h * s * s)
+    if not drive_square > 0:
+        raise NotCertifiedError("the resonance leans down to drives that are not real")
+    return [drive_square.sqrt(), s.sqrt()]
 
 
 def drives(p: Parameters) -> list[arb]:

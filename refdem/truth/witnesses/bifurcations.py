@@ -44,6 +44,7 @@ def double_roots(p: Mapping[str, Exact]) -> list[list[arb]]:
         h^2 S^3 + 2 h g S^2 + (g^2 + d q) S - f0^2,   g = alpha - q, d = 4 delta^2, q = w^2,
 
     vanishes, and its double root is (9 a e - b c)/(2 (b^2 - 3 a c)) of a S^3 + b S^2 + c S + e.
+    For a spring that softens there is a third one, of the largest amplitude, near its barrier.
     """
     values = {
         name: fmpq(value.numerator, value.denominator)
@@ -68,7 +69,8 @@ def double_roots(p: Mapping[str, Exact]) -> list[list[arb]]:
         s = (9 * a_ * e_ - b_ * c_) / (2 * (b_ * b_ - 3 * a_ * c_))
         if s > 0:
             found.append([square.sqrt(), s.sqrt()])
-    return sorted(found, key=lambda pair: float(pair[1].mid()))
+    of_resonance = sorted(found, key=lambda pair: float(pair[1].mid()))[:2]
+    return sorted(of_resonance, key=lambda pair: float(pair[0].mid()))
 
 
 def roots(polynomial: fmpq_poly) -> list[acb]:

@@ -84,6 +84,23 @@ def test_a_mass_that_starts_with_a_velocity_is_followed_through_its_first_turn(
     assert (said["values"], said["denied"]) == (6, [])
 
 
+@pytest.mark.parametrize(
+    "given",
+    [
+        {"beta": "-1/20", "delta": "1/50", "f0": "1/10"},
+        {"beta": "-1/5", "delta": "1/20", "f0": "1/10", "amplitude": "9/10"},
+    ],
+)
+def test_folds_of_a_spring_that_softens_are_confirmed_by_discriminants(
+    given: dict[str, str],
+) -> None:
+    instance = discovery.case("bifurcations").at(**given)
+    found = [row(None, name, ball) for name, ball in instance.truth().scalars().items()]
+    said = witnessing.testimony("bifurcations", instance.p, found)
+    assert said is not None
+    assert (said["values"], said["denied"]) == (13, [])
+
+
 @pytest.mark.parametrize(("exponent", "amplitude"), [("3/2", "5/4"), ("9/5", "-2"), ("7/3", "1/3")])
 def test_a_broken_power_is_followed_through_its_centre(exponent: str, amplitude: str) -> None:
     instance = discovery.case("power-oscillator").at(exponent=exponent, amplitude=amplitude)
