@@ -252,7 +252,7 @@ MIDDLE: Rows = (
         "v0",
         computed(lambda drawn: Fraction(-round(64 * drawn["drive"] * drawn["_balanced"].imag), 64)),
     ),
-    *lasting("32", "64"),
+    *lasting("12", "48"),
 )
 """Duffing's oscillator under a drive between its folds, begun beside the middle amplitude of three,
 which it leaves.
