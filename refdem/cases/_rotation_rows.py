@@ -4,6 +4,9 @@ A row is (name of the result, operation of core/algebra.py, operands); an operan
 name of an earlier result.
 """
 
+from collections.abc import Mapping
+from types import MappingProxyType
+
 import numpy as np
 
 from refdem.cases import _koenig, _nine_entries
@@ -19,6 +22,34 @@ PRODUCTS: tuple[tuple[str, str, str], ...] = (
     ("x-y-back", "x-y", "x-90"),
 )
 """Matrix products: the name of the result, and those of its factors."""
+
+FACTORS: Mapping[str, float] = MappingProxyType(
+    {
+        **{name: 2.0 for name, _, _ in PRODUCTS},
+        "x-y-back": 3.0,
+        "globe-x": 2.0,
+        "globe-angle": 2.0,
+        "globe-determinant": 2.0,
+        "euler-matrix": 3.0,
+        "turn-phi-theta": 2.0,
+        "euler-by-turns": 3.0,
+        "turn-psi-theta-back": 2.0,
+        "euler-inverse": 3.0,
+        "euler-transposed": 3.0,
+        "small-x-y": 2.0,
+        "small-y-x": 2.0,
+        "turn-commutator": 4.0,
+        "beyond-leading": 4.0,
+        "loop-back": 2.0,
+        "loop": 4.0,
+        "loop-angle": 4.0,
+    }
+)
+"""The number of rotations that are multiplied or subtracted for a result, by its name.
+
+With A and B off by dA and dB the product A B is off by dA B + A dB: a rotation keeps lengths, and
+so errors of the factors add up.
+"""
 
 
 def rows(p: Parameters) -> list[Row]:
@@ -187,7 +218,8 @@ def sizes(p: Parameters) -> dict[str, float]:
     squares = ("swept-square", "swept-by-products", "swept-by-triple")
     swept |= dict.fromkeys(squares, 2 * (omega * arm) ** 2)
     swept["swept-twice"] = omega * arm**2
-    carried = dict.fromkeys(("euler-carried", "euler-carried-back"), arm)
+    # By Euler's three turns, and by as many back.
+    carried = {"euler-carried": 3 * arm, "euler-carried-back": 6 * arm}
     energies = {"energy": energy, "frequency-energy": energy, "energy-ratio": 40.0}
     return {
         "plane-turn": v,
@@ -200,6 +232,9 @@ def sizes(p: Parameters) -> dict[str, float]:
         **swept,
         **carried,
         "euler-back": np.pi * steep,
+        **FACTORS,
+        # The iteration of a solver for general matrices has some ten roundings.
+        "plane-eigenvalue": 4.0,
         **_sizes_of_cosines(p),
         **_sizes_of_shifts(p),
         **_koenig.sizes(p),

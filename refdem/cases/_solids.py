@@ -160,3 +160,18 @@ def volume(name: str, p: Parameters) -> float:
     }
     fraction = fractions.get(name, 1.0)
     return float(volumes.get(name, p.a * p.b * p.c * fraction))
+
+
+def spread(name: str, p: Parameters) -> float:
+    """How much larger than its volume the terms of a sum over sides or faces may be: a solid that
+    does not lie along the axes counts with its surroundings.
+
+    Each term is rounded. Those of the triangle, whose tip is at x = a, are as large as max(a, b) c;
+    where the corners of a tetrahedron are turned, as large as the cube of its longest side.
+    """
+    longest = max(p.a, p.b, p.c)
+    spreads = {
+        "triangle": max(p.a, p.b) / p.b,
+        "turned-tetrahedron": longest**3 / (p.a * p.b * p.c),
+    }
+    return float(spreads.get(name, 1.0))

@@ -104,7 +104,7 @@ class MomentsOfInertia(Canonical):
 
     def quantities(self, p: Parameters) -> tuple[Quantity, ...]:
         """Every property of every solid: the scales are the solid's mass m, the largest size L, and
-        m L^2.
+        m L^2, each times the spread of the sums that they may come from.
         """
         quantities = []
         length = self.scales(p).length
@@ -113,10 +113,11 @@ class MomentsOfInertia(Canonical):
                 mass = sum(solid.shape.mass)
             else:
                 mass = p.density * _solids.volume(solid.name, p)
+            spread = _solids.spread(solid.name, p)
             unit_and_scale = {
-                "mass": ("kg", mass),
-                "centre": ("m", length),
-                "inertia": ("kg m^2", mass * length**2),
+                "mass": ("kg", mass * spread),
+                "centre": ("m", length * spread),
+                "inertia": ("kg m^2", mass * spread * length**2),
             }
             for name in MASS_PROPERTIES:
                 # Before the point: mass, centre or inertia.

@@ -101,17 +101,21 @@ class PoincareSections(AlgebraCase):
         return rows
 
     def sizes(self, p: Parameters) -> dict[str, float]:
-        """Places and velocities on the scales of the motion, and times on that of the section,
-        PASSAGES periods.
+        """Places and velocities on the scales of the motion times its phase, and times on that of
+        the section, PASSAGES periods.
+
+        A frequency that is off by a rounding u is off in phase by u t: by 2 pi u a period of the
+        drive, or 2 pi u/eta of the spring if that is faster.
         """
         of_motion = self.of_motion(p)
+        phase_of_period = 2 * np.pi * max(1.0, 1 / p.eta)
         sizes = {}
         for n in range(1, STROBES + 1):
-            sizes[f"strobe-{n}.0"] = of_motion["x"]
-            sizes[f"strobe-{n}.1"] = of_motion["v"]
+            sizes[f"strobe-{n}.0"] = of_motion["x"] * n * phase_of_period
+            sizes[f"strobe-{n}.1"] = of_motion["v"] * n * phase_of_period
         for n in range(1, PASSAGES + 1):
             sizes[f"passage-{n}.0"] = PASSAGES * 2 * np.pi / p.eta
-            sizes[f"passage-{n}.1"] = of_motion["x"]
+            sizes[f"passage-{n}.1"] = of_motion["x"] * PASSAGES * phase_of_period
         return sizes
 
     def of_motion(self, p: Parameters) -> Mapping[str, float]:

@@ -327,7 +327,8 @@ def results(problem: Identity, answers: Mapping[str, Callable[..., Any]]) -> dic
     """The results (1, k) of the problem's operations by name, computed one after the other.
 
     `answers` has a function of arrays (k,) for each kind of operation that an engine can do. An
-    operation is left out if it has none there, or if it uses a result that was left out.
+    operation is left out if it has none there, if that gives None, or if it uses a result that was
+    left out.
     """
     computed: dict[str, Array] = {}
     for step in problem.content.operations:
@@ -335,6 +336,7 @@ def results(problem: Identity, answers: Mapping[str, Callable[..., Any]]) -> dic
         is_computable = all(name in computed for name in references)
         if step.operation in answers and is_computable:
             operands = [_value(operand, computed) for operand in step.operands]
-            result = np.asarray(answers[step.operation](*operands), float)
-            computed[step.name] = result.reshape(1, -1)
+            result = answers[step.operation](*operands)
+            if result is not None:
+                computed[step.name] = np.asarray(result, float).reshape(1, -1)
     return computed

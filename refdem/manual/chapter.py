@@ -32,7 +32,8 @@ class Item(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True
     """Something that the chapter states, the case that runs it, and what is seen to be wrong: the
     fault `kills`, or any of `numbers`, names of quantities or of rows of them, that is off.
 
-    `picture` is the id of a figure that shows the item and is none of the chapter's.
+    `method` is the name of the method that the item is about, if it is about one. `picture` is the
+    id of a figure that shows the item and is none of the chapter's.
     """
 
     where: str
@@ -41,6 +42,7 @@ class Item(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True
     set: dict[str, str] = {}
     kills: str = ""
     numbers: tuple[str, ...] = ()
+    method: str = ""
     picture: str = ""
 
     @property
@@ -111,7 +113,7 @@ def lines(pictures: Collection[str]) -> Iterator[ChapterLine]:
             where=item.where,
             states=item.states,
             case=item.case,
-            parameters=parameters(item.set),
+            parameters=parameters(item.set, item.method),
             engines=tuple(engines(item)),
             check=item.check,
             kills=killed(item),
@@ -124,9 +126,14 @@ def _figures_of(where: str) -> list[str]:
     return re.findall(r"figure (1\.\d+)", where)
 
 
-def parameters(given: Mapping[str, str]) -> str:
-    """Parameters as the command line reads them, empty at the defaults."""
-    return " ".join(f"--set {name}={value}" for name, value in given.items())
+def parameters(given: Mapping[str, str], method: str = "") -> str:
+    """Parameters, and a method if one is named, as the command line reads them; empty at the
+    defaults.
+    """
+    said = [f"--set {name}={value}" for name, value in given.items()]
+    if method:
+        said.append(f"--method {method}")
+    return " ".join(said)
 
 
 def engines(item: Item) -> Iterator[str]:
@@ -136,7 +143,8 @@ def engines(item: Item) -> Iterator[str]:
     for name in discovery.own_names("engines"):
         engine = discovery.engine(name)
         if not isinstance(item.instance.problem, Static):
-            if _methods(engine, item.instance):
+            able = _methods(engine, item.instance)
+            if item.method in able or (able and not item.method):
                 yield name
         elif engine.missing() is None:
             answered = _answered(engine, item)

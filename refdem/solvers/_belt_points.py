@@ -12,7 +12,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from refdem.core.problem import Motion, Request
-from refdem.errors import UnsupportedError
 from refdem.scene import Body, Scene
 from refdem.scene.elements.force import Force
 from refdem.scene.elements.slider import Slider
@@ -71,11 +70,11 @@ def strobe(friction: Array, power: Array, drive: Array, start: Array, n: Array) 
     return np.array([x[1], v[1]])
 
 
-def passage(friction: Array, power: Array, drive: Array, start: Array, n: Array) -> Array:
+def passage(friction: Array, power: Array, drive: Array, start: Array, n: Array) -> Array | None:
     """Time and place (2,) of the n-th passage of v = 0 with x > 0 after the start, in either
     direction.
 
-    Raises UnsupportedError where there are fewer in MOST_PERIODS periods.
+    None where there are fewer in MOST_PERIODS periods: a mass that the belt carries far comes late.
     """
     scene = scene_of(friction, power, drive, start)
     eta = float(drive[2])
@@ -96,9 +95,7 @@ def passage(friction: Array, power: Array, drive: Array, start: Array, n: Array)
         found += place > 0
         if found == int(n[0]):
             return np.array([time, place])
-    raise UnsupportedError(
-        f"the mass passes v = 0 with x > 0 only {found} times in {MOST_PERIODS} periods"
-    )
+    return None
 
 
 def passed(scene: Scene, drive: Array, time: float) -> tuple[float, float]:

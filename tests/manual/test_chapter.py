@@ -49,7 +49,7 @@ def findings_of(case, given, check, method=""):
 
 
 def judged(item):
-    return findings_of(item.case, tuple(item.set.items()), item.check)
+    return findings_of(item.case, tuple(item.set.items()), item.check, item.method)
 
 
 def of_any_method(item):
@@ -152,7 +152,7 @@ def test_each_number_of_an_item_that_is_off_is_seen(item, monkeypatch) -> None:
         return {**seen, **changed}
 
     monkeypatch.setattr(type(instance.case), "observe", off)
-    blamed = findings_of.__wrapped__(item.case, tuple(item.set.items()), item.check)
+    blamed = findings_of.__wrapped__(item.case, tuple(item.set.items()), item.check, item.method)
     seen = {finding.quantity for finding in blamed if finding.outcome in BLAMED}
     assert seen == set(quantities)
 
@@ -167,6 +167,15 @@ def test_a_line_names_engines_check_kill_and_picture() -> None:
     assert line.kills.startswith("friction-sticky: ")
     assert line.pictures == ("1.15", "1.16"), "figure 1.14 shows no numbers"
     assert by_place["(1.75)", "quaternions"].kills.endswith("orthogonal, anticommute")
+
+
+def test_an_item_about_a_method_names_it_and_the_engines_that_have_it() -> None:
+    about = [item for item in ITEMS if item.method]
+    assert {item.method for item in about} >= {"gear-5-free-body", "euler-angles"}
+    for item in about:
+        assert list(engines(item)) == ["reference"]
+    by_place = {(line.where, line.parameters): line for line in lines(gallery.names())}
+    assert ("section 1.3.9, (1.68)", "--method gear-5-free-body") in by_place
 
 
 def test_every_picture_of_the_gallery_that_the_chapter_has_is_beside_an_item() -> None:

@@ -5,7 +5,8 @@ and where there are none.
 import numpy as np
 import pytest
 
-from refdem.errors import UnsupportedError
+from refdem.core import discovery
+from refdem.planning.in_process import record_of, task_of, truth_of
 from refdem.solvers import _belt_points
 
 GLIDING = (
@@ -41,8 +42,19 @@ def test_a_passage_where_v_rises_counts_where_x_is_positive():
     assert 0.99 < place < 1
 
 
-def test_a_motion_that_does_not_come_to_the_section_is_not_supported():
+def test_a_motion_that_does_not_come_to_the_section_has_no_passage():
     creeping = np.array([10.0, 0.5, 0.5, 0.0, 1.0])
     _, power, drive = GLIDING
-    with pytest.raises(UnsupportedError, match="only 0 times in 16 periods"):
-        _belt_points.passage(creeping, power, drive, np.array([-1.0, 0.0]), np.array([1]))
+    start = np.array([-1.0, 0.0])
+    assert _belt_points.passage(creeping, power, drive, start, np.array([1])) is None
+
+
+def test_a_passage_that_does_not_come_is_undecided_and_no_error():
+    # The belt carries the mass along for longer than 16 periods.
+    instance = discovery.case("poincare-sections").at(a="4920", mu0="37")
+    task = task_of(
+        discovery.engine("reference"), "rotation-algebra", instance, truth_of(instance), 4
+    )
+    outcomes = {finding.outcome for finding in record_of(task).findings}
+    assert "undecided" in outcomes
+    assert not outcomes & {"fail", "error"}

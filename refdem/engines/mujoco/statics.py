@@ -13,6 +13,8 @@ from numpy.typing import NDArray
 from refdem.core.problem import Identity, Request, Solid
 from refdem.core.statics import Cuboid, Cylinder, Ellipsoid, Piece, body, properties, results
 from refdem.core.trajectory import Cost, Trajectory
+from refdem.engines.mujoco.unsupported import SMALLEST
+from refdem.errors import UnsupportedError
 from refdem.scene import Polyhedron
 
 Array = NDArray[np.float64]
@@ -84,7 +86,15 @@ def _of_geom(
     holder.add_freejoint()
     attitude = np.array(piece.attitude)
     holder.add_geom(density=piece.density, quat=attitude / np.linalg.norm(attitude), **geom)
-    model = specification.compile()
+    try:
+        model = specification.compile()
+    except ValueError as error:
+        if "mjMINVAL" not in str(error):
+            raise
+        raise UnsupportedError(
+            f"the mass [kg] or a principal inertia [kg m^2] of {piece.name} is below mjMINVAL ="
+            f" {SMALLEST:g}, the least that MuJoCo's compiler takes of a body that moves"
+        ) from error
     turn = _new(9, mujoco.mju_quat2Mat, model.body_iquat[1]).reshape(3, 3)
     return body(
         model.body_mass[1], model.body_ipos[1], turn @ np.diag(model.body_inertia[1]) @ turn.T
