@@ -12,6 +12,8 @@ if TYPE_CHECKING:
     from refdem.faults.misreading import Misreading
     from refdem.faults.twins import Diagnosis, Twin
 
+SECOND_OPINION = 30.0
+"""Run time [s] after which no more known faults are tried where misread numbers explain a run."""
 MAX_TWINS = 5
 """Nearest twins that are printed: those beyond differ from the run by far more."""
 
@@ -34,9 +36,9 @@ def command(
     ] = 120.0,
     json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
 ) -> None:
-    """Names the numbers of the case that a run has misread, with their sizes; where no misreading
-    explains it, runs twins of the transparent engine, each with one known fault or another
-    integrator, and names the one that comes near.
+    """Runs twins of the transparent engine, each with one known fault or another integrator, and
+    names the one that moves as the run does; where none does, names the numbers of the case that
+    the run has misread, with their sizes.
 
     Example: refdem diagnose free-rigid-body/mujoco/euler/error/omega_body.x
     """
@@ -46,7 +48,6 @@ def command(
     from refdem.core.parameters import labelled
     from refdem.core.selection import Selection
     from refdem.errors import EngineMissingError, UsageError
-    from refdem.faults.misreading import Misreading
 
     label, name, method = parts_of(record)
     case, given = labelled(label)
@@ -56,21 +57,23 @@ def command(
     chosen_case = discovery.case(case)
     if isinstance(chosen_case, Selection):
         raise UsageError(f"{case} is a selection of cases; name one of them")
-    result, step = diagnosed(chosen_case.at(**given), chosen_engine, method, level, seconds)
+    result, misread, step = diagnosed(
+        chosen_case.at(**given), chosen_engine, method, level, seconds
+    )
+    if result.explanation is None and misread is not None:
+        sentence = misread.sentence()
+    else:
+        sentence = result.sentence()
     if json:
-        if isinstance(result, Misreading):
-            document = _misread(record, step, result)
-        else:
-            document = _document(record, step, result)
+        document = _document(record, step, result)
+        document |= {"sentence": sentence, "misread": _misread(misread)}
         print(msgspec.json.format(msgspec.json.encode(document)).decode())
         return
     if step:
         resolution = f"step {step:.6g} s"
     else:
         resolution = "exact"
-    print(f"{record}, {resolution}: {result.sentence()}")
-    if isinstance(result, Misreading):
-        return
+    print(f"{record}, {resolution}: {sentence}")
     for twin in result.twins[:MAX_TWINS]:
         print(f"  {twin.digits:5.1f} digits  {twin.behaviour}, step {twin.step:.3g} s")
 
@@ -96,13 +99,13 @@ def parts_of(record: str) -> tuple[str, str, str]:
 
 def diagnosed(
     instance: "Instance", engine: "Engine", method: str, level: int, seconds: float
-) -> "tuple[Diagnosis | Misreading, float | None]":
-    """The diagnosis of one run, made anew, and its step; raises EngineError if the engine has none
-    to show.
+) -> "tuple[Diagnosis, Misreading | None, float | None]":
+    """The diagnosis of one run, made anew, the numbers that it has misread (None where none explain
+    it), and its step; raises EngineError if the engine has none to show.
 
     A run at half the step goes with it: a fault of the code has the same amplitude there, an error
-    of its integrator has not. Misread numbers are looked for first; twins only where no single one
-    explains the run.
+    of its integrator has not. A twin has the steps of the code, so that it explains a run to the
+    last digits; misread numbers explain it to the errors of its steps, whatever its method is.
     """
     from dataclasses import replace
 
@@ -135,12 +138,9 @@ def diagnosed(
         finer_run = _trajectory(engine, finer)
         other = (finer, finer_run)
     misread = _misreading(instance, run, finer_run, seconds)
-    if misread is not None and misread.is_plain:
-        return misread, request.step
-    found = diagnosis(instance, request, run, other, seconds)
-    if misread is not None and found.explanation is None:
-        return misread, request.step
-    return found, request.step
+    if misread is not None:
+        seconds = min(seconds, SECOND_OPINION)
+    return diagnosis(instance, request, run, other, seconds), misread, request.step
 
 
 def _misreading(
@@ -181,10 +181,12 @@ def _amplitude(twin: "Twin") -> float | None:
     return twin.amplitude
 
 
-def _misread(record: str, step: float | None, result: "Misreading") -> dict[str, object]:
+def _misread(found: "Misreading | None") -> list[dict[str, object]]:
     """Misread numbers as JSON has them."""
-    fits = []
-    for fit in result.fits:
+    fits: list[dict[str, object]] = []
+    if found is None:
+        return fits
+    for fit in found.fits:
         names = [number.name for number in fit.numbers]
         fits.append(
             {
@@ -193,13 +195,7 @@ def _misread(record: str, step: float | None, result: "Misreading") -> dict[str,
                 "left": fit.left,
             }
         )
-    return {
-        "record": record,
-        "step": step,
-        "deviation": result.deviation,
-        "misread": fits,
-        "sentence": result.sentence(),
-    }
+    return fits
 
 
 def _document(record: str, step: float | None, result: "Diagnosis") -> dict[str, object]:

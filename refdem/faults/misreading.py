@@ -116,15 +116,6 @@ class Misreading:
     is_noise: bool
     fits: tuple[Fit, ...] = ()
 
-    @property
-    def is_plain(self) -> bool:
-        """True if one number that is misread by a part of itself explains the run.
-
-        Two numbers at once, or one that is 0 in the case, may move as a known fault does,
-        which is the simpler explanation then.
-        """
-        return bool(self.fits) and len(self.fits[0].numbers) == 1 and self.fits[0].values[0] != 0
-
     def sentence(self) -> str:
         """What was misread, or that no misreading explains the run."""
         if self.is_noise:
