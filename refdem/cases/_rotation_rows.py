@@ -9,7 +9,7 @@ from types import MappingProxyType
 
 import numpy as np
 
-from refdem.cases import _koenig, _nine_entries
+from refdem.cases import _koenig, _nine_entries, _turned_body
 from refdem.cases._algebra import Row, X, Y, Z
 from refdem.core.parameters import Parameters
 
@@ -70,12 +70,14 @@ def rows(p: Parameters) -> list[Row]:
         ("globe-determinant", "determinant", ["globe"]),
     ]
     known = _plane_rows(p) + rotations + products + globe + _euler_rows(p) + _energy_rows(p)
-    return known + _koenig.rows(p) + _commuting_rows(p) + _nine_entries.rows(p)
+    of_bodies = _koenig.rows(p) + _turned_body.rows(p)
+    return known + of_bodies + _commuting_rows(p) + _nine_entries.rows(p)
 
 
 def _plane_rows(p: Parameters) -> list[Row]:
     """Rotation and reflection of a vector in the plane."""
     angle = [p.angle]
+    other_angle = [float(p.euler[0])]
     v = p.vector.tolist()
     return [
         ("plane-turn", "plane-turn", [angle, v]),
@@ -91,6 +93,8 @@ def _plane_rows(p: Parameters) -> list[Row]:
         ("cosine-4", "cosine-by-powers", [angle, [4.0]]),
         ("cosine-by-powers", "cosine-by-powers", [angle, [p.multiple]]),
         ("cosine-by-recurrence", "cosine-by-recurrence", [angle, [p.multiple]]),
+        ("cosine-product", "cosine-product", [angle, other_angle]),
+        ("cosines-mixed", "cosines-mixed", [angle, other_angle]),
     ]
 
 
@@ -238,6 +242,7 @@ def sizes(p: Parameters) -> dict[str, float]:
         **_sizes_of_cosines(p),
         **_sizes_of_shifts(p),
         **_koenig.sizes(p),
+        **_turned_body.sizes(p),
         **_nine_entries.sizes(p),
     }
 
@@ -252,11 +257,15 @@ def _sizes_of_cosines(p: Parameters) -> dict[str, float]:
     terms = float(sine + cosine)
     # The recurrence multiplies a rounding at step k by |sin((n - k) angle)/sin(angle)| <= n - k.
     growth = min(n, 1 / max(float(sine), 1e-100))
+    # The last digits of both angles, and of their sum and difference.
+    mixed = 1 + abs(p.angle) + abs(float(p.euler[0]))
     return {
         "cosine-3": 3 * terms**3,
         "cosine-4": 4 * terms**4,
         "cosine-by-powers": n * terms**n,
         "cosine-by-recurrence": n * growth,
+        "cosine-product": mixed,
+        "cosines-mixed": mixed,
     }
 
 

@@ -30,12 +30,15 @@ class Rotations(AlgebraCase):
         " a third axis. Translations commute; of two turns by a small angle h about x and y what is"
         " left is h^2 about z. A step of the matrix in its nine entries breaks six conditions, and"
         " back at the nearest rotation it lags four times as far as the quaternion, which breaks"
-        " one. The cosine of a multiple of an angle comes from its powers and by recurrence. Euler"
+        " one. The cosine of a multiple of an angle comes from its powers and by recurrence, and"
+        " the product of two cosines from those of their sum and difference. Euler"
         " angles come back from their matrix, but their rates diverge where sin"
         " theta = 0, as the inverse of the matrix that takes them to omega does. A point at r of a"
         " body moves with omega x r, whose square is omega^2 r^2 - (omega . r)^2. The energy of"
         " points is that of their mass in their centre and that about the centre, and so is their"
-        " angular momentum (Koenig); of a turn it is omega . J omega/2. The frequency in place of"
+        " angular momentum (Koenig); of a turn it is omega . J omega/2. About a principal axis the"
+        " energy is L^2/(2 J), and principal moments are the eigenvalues of the turned tensor. The"
+        " height of a triangle is the part of a side across the base. The frequency in place of"
         " omega = 2 pi f makes the energy 39.48 times too small."
     )
     latex = (
@@ -127,11 +130,16 @@ class Rotations(AlgebraCase):
     )
 
     def refuse(self, p: Parameters) -> None:
-        """Raises UsageError for Euler angles that their matrix does not determine, and for an omega
-        without an axis.
+        """Raises UsageError for Euler angles that their matrix does not determine, for an omega
+        without an axis, and for a triangle without a base.
         """
         if not np.any(p.omega):
             raise UsageError("parameter omega: got 0,0,0; expected a vector other than zero")
+        if not np.any(p.shifts[3:]):
+            raise UsageError(
+                "parameter shifts: got a second shift of 0,0,0; expected a vector other than zero,"
+                " the base of a triangle"
+            )
         if not (abs(p.euler[0]) < 3.14 and 0.01 < p.euler[1] < 3.13 and abs(p.euler[2]) < 3.14):
             given = ", ".join(f"{x:g}" for x in p.euler)
             raise UsageError(

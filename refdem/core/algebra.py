@@ -17,6 +17,8 @@ SIZES: dict[str, tuple[tuple[int, ...], int]] = {
     "vector-dot": ((3, 3), 1),
     "cross": ((3, 3), 3),
     "cross-square": ((3, 3), 1),  # |v|^2 |w|^2 - (v . w)^2, which is |v x w|^2
+    "rejection": ((3, 3), 3),  # a - (a . b) b/b^2, the part of a across b
+    "length": ((3,), 1),
     "plane-turn": ((1, 2), 2),  # angle, vector: by the matrix (1.9)
     "complex-turn": ((1, 2), 2),  # angle, vector: by exp(i angle)
     # angle: real part and imaginary part >= 0 of an eigenvalue of the matrix (1.9)
@@ -27,6 +29,9 @@ SIZES: dict[str, tuple[tuple[int, ...], int]] = {
     # angle, n: cos(n angle) from sine and cosine of the angle
     "cosine-by-recurrence": ((1, 1), 1),
     "cosine-by-powers": ((1, 1), 1),
+    # angles a, b: cos a cos b, and the same as (cos(a - b) + cos(a + b))/2
+    "cosine-product": ((1, 1), 1),
+    "cosines-mixed": ((1, 1), 1),
     "turn-about": ((3, 1), 9),  # unit vector, angle
     "matrix-product": ((9, 9), 9),
     "matrix-difference": ((9, 9), 9),
@@ -68,6 +73,9 @@ SIZES: dict[str, tuple[tuple[int, ...], int]] = {
     "omega-of-rate": ((4, 4), 3),  # 2 q' q* (1.89)
     "body-omega-of-rate": ((4, 4), 3),  # 2 q* q' (1.90)
     "rotation-energy": ((1, 1), 1),  # J omega^2/2
+    "spin-momentum": ((1, 1), 1),  # L = J omega about a principal axis
+    "momentum-energy": ((1, 1), 1),  # L, J: L^2/(2 J)
+    "principal-moments": ((9,), 3),  # the eigenvalues of a tensor of inertia, in rising order
     # masses, velocities point by point: kinetic energy, that of the centre of mass, that about it
     "points-energy": ((0, 0), 1),
     "centre-energy": ((0, 0), 1),

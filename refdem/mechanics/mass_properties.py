@@ -55,6 +55,12 @@ class MassProperties:
         return moments, axes
 
 
+def principal_moments(inertia: Array) -> Array:
+    """Principal moments (3,) [kg m^2] in rising order: the eigenvalues of a tensor (3, 3)."""
+    found: Array = np.linalg.eigvalsh(inertia)
+    return found
+
+
 def _of_point(mass: float, arm: Array) -> Array:
     """Inertia tensor m (|a|^2 1 - a a^T) (3, 3) [kg m^2] of a point mass at `arm` a (3,) [m]."""
     return mass * (arm @ arm * np.eye(3) - np.outer(arm, arm))

@@ -1,5 +1,6 @@
-"""The cosine of a multiple of an angle from the sine and cosine of the angle: how a nonlinear
-oscillator makes higher harmonics (chapter 1, section 1.5.5).
+"""The cosine of a multiple of an angle from the sine and cosine of the angle, and the product of
+two cosines: how a nonlinear oscillator makes higher harmonics, and mixes frequencies (chapter 1,
+sections 1.5.3 and 1.5.5).
 """
 
 import math
@@ -29,3 +30,15 @@ def cosine_by_powers(angle: float, multiple: int) -> float:
         binomial = math.comb(multiple, 2 * k)
         terms.append((-1) ** k * binomial * sine ** (2 * k) * cosine ** (multiple - 2 * k))
     return math.fsum(terms)
+
+
+def cosine_product(a: float, b: float) -> float:
+    """The product cos(a) cos(b) for angles [rad]: two drives in the square of their sum."""
+    return math.cos(a) * math.cos(b)
+
+
+def cosines_mixed(a: float, b: float) -> float:
+    """The same product as (cos(a - b) + cos(a + b))/2: lines at the difference and the sum of two
+    frequencies.
+    """
+    return (math.cos(a - b) + math.cos(a + b)) / 2

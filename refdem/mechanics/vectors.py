@@ -2,7 +2,7 @@
 precision the numbers have.
 """
 
-from math import cos, sin, sqrt
+from math import cos, hypot, sin, sqrt
 from typing import Any
 
 Number = Any
@@ -35,6 +35,15 @@ def moved(a: Vector, factor: Number, b: Vector) -> Vector:
 def dot(a: Vector, b: Vector) -> Number:
     """The dot product a . b of two vectors (3)."""
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+
+
+def rejection(a: Vector, b: Vector) -> Vector:
+    """The part a - (a . b) b/b^2 of a vector a across another b, which is not zero: the height of
+    the corner a of a triangle over its base b.
+    """
+    length = hypot(*b)
+    direction = times(1 / length, b)
+    return moved(a, -dot(a, direction), direction)
 
 
 def cross(a: Vector, b: Vector) -> Vector:

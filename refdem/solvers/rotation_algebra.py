@@ -2,6 +2,7 @@
 of sections by a motion: the answers to questions without time.
 """
 
+import math
 from collections.abc import Callable
 from time import perf_counter
 from typing import Any
@@ -13,10 +14,16 @@ from refdem.core.engine import Method
 from refdem.core.problem import Identity, Request
 from refdem.core.statics import results
 from refdem.core.trajectory import Cost, Trajectory
-from refdem.mechanics import freedom, koenig, response, rotation
-from refdem.mechanics.multiple_angle import cosine_by_powers, cosine_by_recurrence
+from refdem.mechanics import freedom, koenig, mass_properties, response, rotation
+from refdem.mechanics.multiple_angle import (
+    cosine_by_powers,
+    cosine_by_recurrence,
+    cosine_product,
+    cosines_mixed,
+)
 from refdem.mechanics.period_doubling import doubling_point, two_cycle
 from refdem.mechanics.quaternion import conjugate, matrix, product, rotated
+from refdem.mechanics.vectors import rejection
 from refdem.solvers import _belt_points
 from refdem.solvers.solver import Solver
 
@@ -119,6 +126,8 @@ ANSWERS: dict[str, Callable[..., Any]] = {
     "vector-dot": np.dot,
     "cross": np.cross,
     "cross-square": lambda v, w: (v @ v) * (w @ w) - (v @ w) ** 2,
+    "rejection": lambda a, b: rejection(tuple(a), tuple(b)),
+    "length": lambda v: math.hypot(*v),
     "plane-turn": lambda angle, v: plane(angle) @ v,
     "complex-turn": lambda angle, v: real_and_imaginary(np.exp(1j * angle[0]) * complex(*v)),
     "plane-eigenvalue": lambda angle: upper_eigenvalue(np.linalg.eigvals(plane(angle))),
@@ -127,6 +136,8 @@ ANSWERS: dict[str, Callable[..., Any]] = {
     "mirror-determinant": lambda angle: np.linalg.det(mirror(angle)),
     "cosine-by-recurrence": lambda angle, n: cosine_by_recurrence(angle[0], int(n[0])),
     "cosine-by-powers": lambda angle, n: cosine_by_powers(angle[0], int(n[0])),
+    "cosine-product": lambda a, b: cosine_product(a[0], b[0]),
+    "cosines-mixed": lambda a, b: cosines_mixed(a[0], b[0]),
     "turn-about": turn,
     "matrix-product": lambda m, n: square(m) @ square(n),
     "matrix-difference": np.subtract,
@@ -167,6 +178,9 @@ ANSWERS: dict[str, Callable[..., Any]] = {
     "omega-of-rate": lambda q, rate: 2 * product(rate, conjugate(q))[1:],
     "body-omega-of-rate": lambda q, rate: 2 * product(conjugate(q), rate)[1:],
     "rotation-energy": lambda inertia, omega: inertia * omega**2 / 2,
+    "spin-momentum": np.multiply,
+    "momentum-energy": lambda momentum, inertia: momentum**2 / (2 * inertia),
+    "principal-moments": lambda m: mass_properties.principal_moments(square(m)),
     "points-energy": lambda m, v: koenig.energy(m, vectors(v)),
     "centre-energy": lambda m, v: koenig.energy_of_centre(m, vectors(v)),
     "energy-about-centre": lambda m, v: koenig.energy_about_centre(m, vectors(v)),

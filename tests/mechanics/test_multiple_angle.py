@@ -4,7 +4,12 @@ import math
 
 import pytest
 
-from refdem.mechanics.multiple_angle import cosine_by_powers, cosine_by_recurrence
+from refdem.mechanics.multiple_angle import (
+    cosine_by_powers,
+    cosine_by_recurrence,
+    cosine_product,
+    cosines_mixed,
+)
 
 ANGLES = [-2.0, 0.3, 1.5, math.pi]
 
@@ -25,3 +30,10 @@ def test_both_forms_are_the_cosine_of_the_multiple(multiple):
         expected = math.cos(multiple * angle)
         assert cosine_by_recurrence(angle, multiple) == pytest.approx(expected, abs=1e-12)
         assert cosine_by_powers(angle, multiple) == pytest.approx(expected, abs=1e-10)
+
+
+@pytest.mark.parametrize("a", ANGLES)
+@pytest.mark.parametrize("b", ANGLES)
+def test_a_product_of_cosines_is_half_those_of_the_sum_and_of_the_difference(a, b):
+    assert cosines_mixed(a, b) == pytest.approx(cosine_product(a, b), abs=1e-15)
+    assert cosine_product(a, b) == pytest.approx((math.cos(a + b) + math.cos(a - b)) / 2, abs=1e-15)

@@ -13,7 +13,7 @@ from flint import arb
 from refdem.core.parameters import Parameters
 from refdem.core.truth import Truth
 from refdem.truth.balls import arb_of
-from refdem.truth.closed_forms import koenig, nine_entries
+from refdem.truth.closed_forms import koenig, nine_entries, turned_body
 from refdem.truth.closed_forms.quaternions import listed
 from refdem.truth.complex_balls import Complex
 from refdem.truth.exact import number, vector
@@ -165,7 +165,8 @@ def values(p: Parameters) -> dict[str, list[arb]]:
     angles = in_the_plane(p) | of_multiples(p) | by_euler(p) | rate_rows(*euler[:2]) | swept(p)
     angles |= euler_by_turns(p)
     commuting = shifted(p) | by_small_turns(p)
-    return quarter_turns | angles | energies | koenig.values(p) | commuting | step
+    bodies = koenig.values(p) | turned_body.values(p, euler_matrix(*euler))
+    return quarter_turns | angles | energies | bodies | commuting | step
 
 
 def euler_by_turns(p: Parameters) -> dict[str, list[arb]]:
@@ -202,14 +203,18 @@ def euler_by_turns(p: Parameters) -> dict[str, list[arb]]:
 
 
 def of_multiples(p: Parameters) -> dict[str, list[arb]]:
-    """Cosines of 3, 4 and n times the angle."""
+    """Cosines of 3, 4 and n times the angle, and its cosine times that of Euler's angle phi."""
     angle = arb_of(number(p, "angle"))
+    other_angle = arb_of(vector(p, "euler")[0])
+    product = angle.cos() * other_angle.cos()
     cosine = (angle * arb_of(number(p, "multiple"))).cos()
     return {
         "cosine-3": [(3 * angle).cos()],
         "cosine-4": [(4 * angle).cos()],
         "cosine-by-powers": [cosine],
         "cosine-by-recurrence": [cosine],
+        "cosine-product": [product],
+        "cosines-mixed": [product],
     }
 
 

@@ -20,6 +20,7 @@ from refdem.truth.exact import number, numbers, vector
 from refdem.truth.witnesses.koenig import of_points
 from refdem.truth.witnesses.quaternion_rules import rules
 from refdem.truth.witnesses.testimony import Claimed, Said, Witness
+from refdem.truth.witnesses.turned_body import of_body, of_triangle
 from refdem.truth.witnesses.turns import (
     about,
     commuting,
@@ -504,7 +505,7 @@ def rotations(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claime
     stepped["nine-entries-freedom"] = [freedom_of_nine_entries()]
     angles = in_the_plane(p) | of_multiples(p) | by_euler(p) | rate_matrices(p) | swept(p)
     angles |= euler_by_turns(p)
-    energies_of_all = energies | of_points(p)
+    energies_of_all = energies | of_points(p) | of_body(p) | of_triangle(p)
     yield None, listed(quarter_turns() | commuting(p) | angles | stepped | energies_of_all)
 
 

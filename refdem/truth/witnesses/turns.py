@@ -167,6 +167,10 @@ def of_multiples(p: Mapping[str, Exact]) -> dict[str, Sequence[Any]]:
     cosines = [arb(1)]
     power = identity()
     multiple = int(number(p, "multiple"))
+    angle = arb_of(number(p, "angle"))
+    other_angle = arb_of(vector(p, "euler")[0])
+    # The entries xx of the turns by the sum and by the difference.
+    both = (about("z", angle + other_angle) + about("z", angle - other_angle))[0, 0] / 2
     for _ in range(max(multiple, 4)):
         power = power * turn
         cosines.append(power[0, 0])
@@ -175,6 +179,8 @@ def of_multiples(p: Mapping[str, Exact]) -> dict[str, Sequence[Any]]:
         "cosine-4": [cosines[4]],
         "cosine-by-powers": [cosines[multiple]],
         "cosine-by-recurrence": [cosines[multiple]],
+        "cosine-product": [both],
+        "cosines-mixed": [both],
     }
 
 
