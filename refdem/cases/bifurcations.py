@@ -40,7 +40,8 @@ class Bifurcations(AlgebraCase):
         " drive that is raised slowly falls off the upper fold, one that is lowered jumps at the"
         " lower. A spring that hardens leans the resonance to higher drives, one that softens to"
         " lower ones. The logistic map settles on one value up to eta = 3, alternates between two"
-        " up to 1 + sqrt 6, and between four up to 3.5440903596. All are roots of polynomials."
+        " up to 1 + sqrt 6, and between four up to 3.5440903596. All are roots of polynomials. At"
+        " eta = 4 its values are continuous and not uniform: a third of them is below 1/4."
     )
     latex = (
         r"f_0^2=A^2\left((k-\omega^2)^2+4\delta^2\omega^2\right),\;"
@@ -106,7 +107,9 @@ class Bifurcations(AlgebraCase):
             )
 
     def rows(self, p: Parameters) -> list[Row]:
-        """Drives of an amplitude and the force that they need, both folds, cycles of the map."""
+        """Drives of an amplitude and the force that they need, both folds, cycles of the map, and
+        where its values are in its chaos.
+        """
         spring = [p.alpha, p.beta, p.delta]
         force = [p.f0]
         amplitude = [p.amplitude]
@@ -119,6 +122,9 @@ class Bifurcations(AlgebraCase):
             ("doubling-of-1", "doubling-point", [[0.0]]),
             ("doubling-of-2", "doubling-point", [[1.0]]),
             ("doubling-of-4", "doubling-point", [[2.0]]),
+            ("below-quarter", "share-below", [[0.25]]),
+            ("below-half", "share-below", [[0.5]]),
+            ("below-three-quarters", "share-below", [[0.75]]),
         ]
 
     def sizes(self, p: Parameters) -> dict[str, float]:

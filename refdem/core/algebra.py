@@ -101,6 +101,8 @@ SIZES: dict[str, tuple[tuple[int, ...], int]] = {
     "upper-fold": ((3, 1), 2),
     # eta > 3: the iterates, larger first, between which the logistic map alternates (1.127)
     "two-cycle": ((1,), 2),
+    # x: the share of the iterates of the map at eta = 4 that are below x
+    "share-below": ((1,), 1),
     # n = 0, 1, 2: the eta at which the map's cycle of 2^n iterates doubles its period
     "doubling-point": ((1,), 1),
     # Of a unit mass on a unit spring that rubs on a belt (1.125): (a, mu0, mu1, lambda0, lambda1),

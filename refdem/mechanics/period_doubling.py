@@ -1,5 +1,5 @@
 """Period doubling of the logistic map x -> eta x (1 - x): cycles, and the parameters at which one
-loses its stability to another of twice as many iterates.
+loses its stability to another of twice as many iterates; and where the iterates are at eta = 4.
 
 With w = eta (1/2 - x) the map is w -> w^2 + c, where c = eta/2 - eta^2/4, or eta = 1 + sqrt(1 - 4
 c). A cycle of p iterates is superstable where w = 0 is one of them, and its period doubles where
@@ -24,6 +24,16 @@ def two_cycle(eta: float) -> Array:
     """
     root = np.sqrt((eta - 3) * (eta + 1))
     return np.array([eta + 1 + root, eta + 1 - root]) / (2 * eta)
+
+
+def share_below(x: float) -> float:
+    """The share of the iterates of the map at eta = 4 that are below x in [0, 1], over a long time
+    and for almost every start: 2/pi asin(sqrt x).
+
+    With x = sin^2(pi u/2) the map is u -> 1 - |2 u - 1|, which keeps a uniform u (Ulam and von
+    Neumann 1947).
+    """
+    return float(2 / np.pi * np.arcsin(np.sqrt(x)))
 
 
 def doubling_point(doublings: int) -> float:

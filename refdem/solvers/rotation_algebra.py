@@ -21,7 +21,7 @@ from refdem.mechanics.multiple_angle import (
     cosine_product,
     cosines_mixed,
 )
-from refdem.mechanics.period_doubling import doubling_point, two_cycle
+from refdem.mechanics.period_doubling import doubling_point, share_below, two_cycle
 from refdem.mechanics.quaternion import conjugate, matrix, product, rotated
 from refdem.mechanics.vectors import rejection
 from refdem.solvers import _belt_points
@@ -201,6 +201,7 @@ ANSWERS: dict[str, Callable[..., Any]] = {
     "balanced-forces": balanced_forces,
     "lower-fold": lambda spring, force: fold("lower", spring, force),
     "upper-fold": lambda spring, force: fold("upper", spring, force),
+    "share-below": lambda x: share_below(x[0]),
     "two-cycle": lambda eta: two_cycle(eta[0]),
     "belt-strobe": _belt_points.strobe,
     "belt-passage": _belt_points.passage,

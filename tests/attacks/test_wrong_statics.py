@@ -322,6 +322,20 @@ ROTATION_FAULTS = {
         "bifurcations",
         "two-cycle.1",
     ),
+    "values of a chaotic map that are spread uniformly": (
+        rotation_algebra,
+        "share_below",
+        lambda f: lambda x: x,
+        "bifurcations",
+        "below-quarter",
+    ),
+    "the arcsine law without the root": (
+        rotation_algebra,
+        "share_below",
+        lambda f: lambda x: f(x * x),
+        "bifurcations",
+        "below-half",
+    ),
     "the energy of the centre without its mass": (
         koenig,
         "energy_of_centre",

@@ -281,6 +281,7 @@ EXACT = {
     "lower-fold": (([2.0, 4 / 3, 0.25], [np.sqrt(2.0)]), [2.0, 1.0]),
     "upper-fold": (([0.5, 4 / 3, 0.25], [np.sqrt(0.5)]), [np.sqrt(7.0) / 2, 1.0]),
     "two-cycle": (([3.2],), [(4.2 + np.sqrt(0.84)) / 6.4, (4.2 - np.sqrt(0.84)) / 6.4]),
+    "share-below": (([0.75],), [2 / 3]),
     "doubling-point": (([1.0],), [1 + np.sqrt(6.0)]),
     # Friction 1/2 at any speed below that of the belt, which balances the steady pull: x = cos t.
     "belt-strobe": ((*BELT, [1.0]), [-1.0, 0.0]),

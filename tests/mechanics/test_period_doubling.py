@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from refdem.mechanics.period_doubling import doubling_point, two_cycle
+from refdem.mechanics.period_doubling import doubling_point, share_below, two_cycle
 
 POINTS = (3.0, 1 + 6**0.5, 3.5440903595519228)
 
@@ -38,3 +38,14 @@ def test_next_to_a_doubling_the_map_settles_on_the_shorter_cycle_and_beyond_on_t
         later = np.array([iterated(eta, settled, count) for count in (period, 2 * period)])
         closes = np.abs(later - settled) < 1e-9
         assert closes.tolist() == [expected == period, True]
+
+
+def test_shares_at_eta_4_are_those_of_many_iterates():
+    x = 0.1234
+    values = []
+    for _ in range(20000):
+        x = 4 * x * (1 - x)
+        values.append(x)
+    for place in (0.1, 0.25, 0.5, 0.9):
+        share = sum(value < place for value in values) / len(values)
+        assert share == pytest.approx(share_below(place), abs=0.01)

@@ -169,6 +169,17 @@ def two_cycle(p: Parameters) -> list[arb]:
     return [(arb_of(eta + 1) + sign * root) / arb_of(2 * eta) for sign in (1, -1)]
 
 
+def shares() -> dict[str, list[arb]]:
+    """The shares of the iterates at eta = 4 below x = sin^2(pi u/2), which are u: sin^2 is 1/4, 1/2
+    and 3/4 at 30, 45 and 60 degrees.
+    """
+    return {
+        "below-quarter": [arb_of(Fraction(1, 3))],
+        "below-half": [arb_of(Fraction(1, 2))],
+        "below-three-quarters": [arb_of(Fraction(2, 3))],
+    }
+
+
 def values(p: Parameters) -> dict[str, list[arb]]:
     """The numbers of every row of the case, by the row's name."""
     lower, upper = fold_squares(p)
@@ -180,6 +191,7 @@ def values(p: Parameters) -> dict[str, list[arb]]:
         "upper-fold": fold(p, upper),
         "two-cycle": two_cycle(p),
         **doublings(),
+        **shares(),
     }
 
 

@@ -33,7 +33,20 @@ def bifurcations(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Cla
         "doubling-of-2": doubling(2, Fraction(27, 8)),
         "doubling-of-4": doubling(4, Fraction(7, 2)),
     }
+    said |= {
+        "below-quarter": share_below(Fraction(1, 4)),
+        "below-half": share_below(Fraction(1, 2)),
+        "below-three-quarters": share_below(Fraction(3, 4)),
+    }
     yield None, said
+
+
+def share_below(x: Fraction) -> arb:
+    """The integral from 0 to x of the density 1/(pi sqrt(s (1 - s))) that the map at eta = 4 keeps:
+    it has the angle of the point (sqrt(1 - x), sqrt x) of the unit circle, twice, over pi.
+    """
+    angle = arb.atan2(arb_of(x).sqrt(), arb_of(1 - x).sqrt())
+    return 2 * angle / arb.pi()
 
 
 def double_roots(p: Mapping[str, Exact]) -> list[list[arb]]:
