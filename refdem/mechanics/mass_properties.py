@@ -57,8 +57,8 @@ class MassProperties:
 
 def principal_moments(inertia: Array) -> Array:
     """Principal moments (3,) [kg m^2] in rising order: the eigenvalues of a tensor (3, 3)."""
-    found: Array = np.linalg.eigvalsh(inertia)
-    return found
+    moments, _ = np.linalg.eigh(inertia)
+    return moments
 
 
 def _of_point(mass: float, arm: Array) -> Array:
