@@ -142,8 +142,10 @@ def tell_derivatives(
 
     from refdem.truth.sensitivities import sensitivities
 
-    if not times:
+    if not times and len(instance.times) > 1:
         raise UsageError("--sensitivities needs times: for example --at 5/2")
+    # A case without time is looked at once.
+    times = times or [Fraction(0)]
     parameters = instance.case.written_out(instance.p)
     found = [sensitivities(instance.case.truth, parameters, t, digits) for t in times]
     rows = [row for one in found for row in rows_of(instance, one, digits)]

@@ -93,7 +93,7 @@ class Fit:
 def size(share: float) -> str:
     """A relative misreading for people."""
     if share < 1e-3:
-        return f"by {share:.2g} of itself"
+        return f"{1e6 * share:.3g} ppm"
     return f"{100 * share:.3g} %"
 
 

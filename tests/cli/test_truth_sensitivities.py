@@ -39,6 +39,14 @@ def test_a_border_is_told_and_the_rest_is_there(command_line):
     assert "no quantity depends on gravity at these times" in done.stderr
 
 
+def test_a_case_without_time_needs_none(command_line):
+    """The mass rho a b c of a box, by a."""
+    done = command_line("truth", "moments-of-inertia", "--sensitivities", "--digits", "12")
+    assert done.returncode == 0, done.stderr
+    (line,) = (one for one in done.stdout.splitlines() if one.startswith("d cuboid.mass(0)/d a "))
+    assert line.split()[3] == "3.00000000000000000"
+
+
 def test_without_a_time_and_without_a_formula_it_says_so(command_line):
     done = command_line("truth", "pendulum", "--sensitivities")
     assert done.returncode == 2
