@@ -117,8 +117,9 @@ def test_the_growth_bounds_what_a_displaced_start_does_to_any_point():
             abs(float(off[point].mid - ball.mid)) / instance.quantities[point].scale / shift
             for point, ball in points.items()
         ]
-    # Errors of the start fade while it sticks; S counts those that are made later, too.
-    assert 1 < max(grown) < truth.sensitivity(Fraction(0)) < 20
+    # Errors of the start fade while it sticks; S counts those that are made later, too. The scale
+    # of a point has its phase in it, up to PASSAGES times 2 pi.
+    assert 0.1 < max(grown) < truth.sensitivity(Fraction(0)) < 20
 
 
 def test_a_motion_that_does_not_come_to_the_section_is_not_certified():
