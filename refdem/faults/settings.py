@@ -563,7 +563,7 @@ LORENZ: Rows = (
 """Lorenz' equations near his own numbers, begun off the z axis."""
 CHAOTIC_LORENZ: Rows = (
     ("start", listed(signed(2, 6, 16), signed(2, 6, 16), between(12, 20, 16))),
-    ("n", "96"),
+    ("n", "128"),
 )
 """Lorenz' equations at his own numbers, for so long that neighbours part by many powers of e."""
 ENTERED: Rows = (
