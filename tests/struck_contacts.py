@@ -26,6 +26,7 @@ class Struck(ContactMotion):
 
     def __init__(self, contact: TracedContact, mode: str, state: Sequence[arb]) -> None:
         self.traced = contact
+        self.parameters = 0
         with precision(BITS):
             self.begin(contact.modes, state, Entry(mode), BITS, None)
 

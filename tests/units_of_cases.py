@@ -8,6 +8,7 @@ from refdem.core.case import Instance
 
 HIDDEN = {
     "stick-slip": ("kg", "N/m"),
+    "poincare-sections": ("kg", "N/m"),
     "two-body-orbit": ("kg",),
     "granular-gas": ("kg",),
     "phase-flow": ("s",),
@@ -34,6 +35,7 @@ have masses of 1 to 4 kg.
 """
 OTHERWISE = {
     ("stick-slip", "friction_law", "linear"): {"lambda1": "s/m"},
+    ("poincare-sections", "friction_law", "linear"): {"lambda1": "s/m"},
     ("phase-flow", "flow", "pendulum"): {"centre": "rad, rad/s", "size": "rad"},
 }
 """Units of parameters that a chosen word changes."""
