@@ -1,8 +1,9 @@
 """Where solutions exist on a complex disc about a Taylor polynomial T of one of them, and how far
 from it they are (Cauchy, Gronwall).
 
-|x| is the largest |x_i|/w_i for weights w > 0 in which the field moves all coordinates about alike;
-|J| is the matrix norm to it.
+Norms, for weights w > 0 in which all coordinates change about equally fast along the field:
+
+    |x| = max_i |x_i|/w_i,    |J| = max_i (sum_j |J_ij| w_j)/w_i.
 """
 
 from collections.abc import Callable, Sequence
@@ -20,15 +21,19 @@ from refdem.truth.weights import MAX_DISC_EXPONENT, quickest, typical, weighted
 BITS = 64
 """The working precision of boxes, which bound and need not be sharp."""
 JACOBIAN_BITS = 40
-"""The bits to which the flow Jacobian of a step is known: its share in the error is far below."""
+"""The bits to which the flow Jacobian of a step is enclosed. It multiplies the radii of the set
+only, so that more bits would hardly make the set smaller.
+"""
 FACTORS = 2.0, 1 / 2, 1.25, 1 / 1.25, 1.08, 1 / 1.08
-"""The factors by which the outer radius is changed as long as that lengthens the step."""
+"""The factors by which the outer radius is multiplied as long as the step becomes longer."""
 RINGS = 8
 """The number of rings between the step and nearly the outer radius, on each of which |J| is
 bounded.
 """
 MIN_RELATIVE_MARGIN = arb(2) ** -20
-"""The least margin about the polynomial, as a part of its motion: more than thin sets need."""
+"""The least margin about the polynomial T, as a part of the norm of |T(z) - T(0)|: more than sets
+of small radius need.
+"""
 
 
 def geometric(ratio: arb, order: int) -> arb:
@@ -69,6 +74,8 @@ class Disc:
         """Bound exp(integral of L from 0 to s) of |V(z)|, V the flow Jacobian, and of the growth of
         a distance, for |z| = s (`since`); nan beyond the radius.
         """
+        # Integral of L from 0 to s, with L_k on the ring between R_(k-1) and R_k, R_0 = 0: the sum
+        # of L_k (min(R_k, s) - R_(k-1)) over the rings that begin before s.
         if since <= self.radius:
             exponent = arb(0)
         else:
@@ -90,13 +97,17 @@ class Disc:
 
         Here N is `order`, S `outer`, M `speed`, s `since`.
         """
+        # defect = s M q^N/((1 - q)(N + 1)), q = s/S, and by Gronwall's inequality
+        # |y - T| <= exp(integral of L from 0 to s) (|y(0) - T(0)| + defect).
         defect = since * self.speed * geometric(since / self.outer, self.order) / (self.order + 1)
         return outward(self.gronwall(since) * (start + defect))
 
     def jacobian_remainder(self, since: arb, order: int) -> arb:
-        """Bound of |V(z) - sum_(n <= order) V_n z^n|, |z| = since < R: |V_n| <= exp(integral of L)
-        R^-n (Gronwall, Cauchy).
+        """Bound of |V(z) - sum_(n <= order) V_n z^n| for |z| = since < R.
+
+        |V_n| <= exp(integral of L from 0 to R) R^-n (Gronwall, Cauchy).
         """
+        # Sum over n > order: exp(integral of L) q^(order + 1)/(1 - q), q = |z|/R.
         return outward(self.gronwall(self.radius) * geometric(since / self.radius, order + 1))
 
     def jacobian_order(self, bits: int) -> int:
@@ -104,7 +115,7 @@ class Disc:
         exp(integral of L) (h/R)^n <= 2^-bits.
         """
         needed_bits = self.gronwall(self.radius).log() / arb(2).log() + bits
-        # ln(R/h) is gained with each order.
+        # n >= (integral of L + bits ln 2)/ln(R/h); the bits are the numerator over ln 2.
         order = needed_bits / (self.radius / arb_of(self.step)).log()
         return int(float(order * arb(2).log())) + 1
 
@@ -161,10 +172,11 @@ def disc(
 ) -> Disc | None:
     """The disc for the longest step at this order; None if none is proved.
 
-    It is searched from an outer radius `first` [s] on. `polynomials` are the Taylor polynomials T
-    of one solution, `radii` bound the set of starts about it, and weights are at least `least`. The
-    step is `ratio` of the outer radius, and shorter by what the speed there would cost in bits.
-    Only `grown` proves anything: all that is chosen here makes steps long.
+    The search for the outer radius S begins at `first` [s]. `polynomials` are the Taylor
+    polynomials T of one solution, `radii` bound the set of starts about it, and weights are at
+    least `least`. The step is h = `ratio` S (M_0/M)^(1/N), with the order N and bounds M of |f(T)|
+    on |z| <= S and M_0 of |f(T(0))|: the remainder M (h/S)^N is then `ratio`^N M_0. All choices
+    made here only make steps long; the proof is in `grown`.
     """
     with precision(BITS):
         tube = Tube(polynomials)
@@ -181,8 +193,8 @@ def disc(
             return norm(field.run(tube.box(arb(radius))), weights)
 
         def step(radius: float) -> float:
-            """The h at which the bound M (h/S)^N of the remainder is what `ratio` asks for with
-            the speed at 0 in place of M; 0 where no disc can be proved.
+            """The step h = `ratio` S (M_0/M)^(1/N) for the outer radius S; 0 where no disc can be
+            proved.
             """
             speed_there = speed(radius)
             is_usable = speed_there.is_finite() and stiff * radius < MAX_DISC_EXPONENT
@@ -193,6 +205,7 @@ def disc(
             return length
 
         outer = highest(step, first)
+        # h is rounded down to 8 bits.
         mantissa, exponent = frexp(step(outer))
         short = Fraction(int(mantissa * 256), 256) * Fraction(2) ** exponent
         begun = Disc(order, weights, arb(outer), speed(outer), short, [])
@@ -212,8 +225,8 @@ def chosen_weights(
 ) -> list[arb]:
     """The weights of the norm in which a disc is proved, from f (`rates`) and J (`start`) at T(0).
 
-    |J| may vanish there by chance: it is taken on a disc on which the motion is typical, if there
-    is one. Other arguments are those of `disc`.
+    An entry of J may be 0 at T(0) and not near it: so J is bounded on a disc about T(0)
+    (`typical`), if it is small enough on one. Other arguments are those of `disc`.
     """
     radius = min(first, MAX_DISC_EXPONENT / quickest(start)) / 3
     nearby = typical(lambda radius: jacobian.run(tube.box(arb(radius))), radius)
@@ -244,9 +257,9 @@ def grown(candidate: Disc, jacobian: Program, tube: Tube, start: arb, stiff: arb
     `candidate` is a disc without rings, `start` the norm of the set about T(0), `stiff` a guess of
     |J|.
 
-    Theorem (existence): let |J| <= L where within `margin` of T(z), |z| <= s, and apart(s) <=
-    margin. Then the solutions from all starts exist and stay there for |z| <= s: along a ray none
-    can be the first to leave.
+    Theorem (existence): let |J| <= L at all points within `margin` of T(z), |z| <= s, and let
+    apart(s) <= margin. Then the solutions from all starts exist and stay within `margin` of T(z)
+    for |z| <= s: along a ray, no solution can be the first to leave this neighbourhood.
     """
     best = None
     step = float(candidate.step)
@@ -255,7 +268,8 @@ def grown(candidate: Disc, jacobian: Program, tube: Tube, start: arb, stiff: arb
     radii = [step / 2] + [step * (widest / step) ** (k / RINGS) for k in range(RINGS + 1)]
     for number, ring in enumerate(radii):
         radius = arb(ring)
-        # The margin is guessed with the |J| of the ring before, and tried: 4 times what it says.
+        # margin = 4 apart(s) + MIN_RELATIVE_MARGIN |T(z) - T(0)|, with the bound of |J| from the
+        # ring before in apart(s). The theorem is then checked with |J| within that margin.
         guess = replace(candidate, rings=[*candidate.rings, (radius, stiff)])
         motion = norm([size(radius) for size in tube.sizes], candidate.weights)
         margin = 4 * guess.apart(radius, start) + MIN_RELATIVE_MARGIN * motion
@@ -266,7 +280,8 @@ def grown(candidate: Disc, jacobian: Program, tube: Tube, start: arb, stiff: arb
         if not candidate.apart(radius, start) <= margin:
             break
         if number > 1:
-            # The step lies inside. A wider disc is taken while it makes the series shorter.
+            # The disc holds the step. A wider disc is taken while the series of the flow Jacobian
+            # needs no more terms on it.
             if best is not None:
                 order = candidate.jacobian_order(JACOBIAN_BITS)
                 if order > best.jacobian_order(JACOBIAN_BITS):

@@ -1,10 +1,14 @@
 """The solution of y' = f(y) piece by piece, at one precision, as far as it is asked for; pieces are
 kept.
 
-Theorem (step): the solution at the start of a piece lies in c + {A r} (moved.py), inside a box
-whose disc is proved (enclosure.py). With the Taylor coefficients c_n of the exact centre c, for 0
-<= s <= h every solution from the set lies within remainder(s) + exp(L s) max |A r| of sum c_n s^n
-(Cauchy, Gronwall); at the end of the piece the set is moved by the flow Jacobian.
+Theorem (step): let the solution at the start of a piece lie in c + {A r} (moved.py), c being exact,
+and let a disc be proved for that set (enclosure.py). With the Taylor polynomial T(s) = sum of c_n
+s^n over n <= N of the solution from c, every solution y from the set obeys, for 0 <= s <= h,
+
+    |y(s) - T(s)| <= exp(integral of L from 0 to s) (max |A r| + s M q^N/((1 - q)(N + 1))), q = s/S
+
+(Cauchy, Gronwall; S, M, L are those of the disc). At the end of the piece the set is moved by the
+flow Jacobian.
 """
 
 from bisect import bisect_right
@@ -29,20 +33,20 @@ from refdem.truth.validated_ivp.moved import (
 from refdem.truth.validated_ivp.recurrences import taylor
 
 UNEQUAL = 80
-"""The most bits that the flow Jacobian is given for unequal weights: its remainder is larger by
-their ratio in some entries.
+"""The most bits that are added to those of the flow Jacobian for unequal weights: the remainder of
+its entry (i, j) is proportional to w_i/w_j.
 """
 GUARD = 24
-"""The bits by which coefficients are sharper than the bits asked for, for the rounding of their
-sums.
+"""Guard bits: coefficients are computed with so many bits more than asked for, against the rounding
+of their sums.
 """
 HALVINGS = 24
 """A disc 2^-24 as wide as the widest so far is refused: the set, or the motion, is near a
 singularity.
 """
 SMALL = arb(2) ** -20
-"""The part of a coordinate below which its weight does not fall, and of a weight above which the
-set's radius should not rise.
+"""The least weight of a coordinate as a part of its size, and the largest radius of the set that is
+sought as a part of a weight.
 """
 MOST_PIECES = 2**17
 """The most pieces of one integration: one that asks for more ends with the code `time`, with all
@@ -67,6 +71,7 @@ class Steps:
 
         ratio^order <= 2^-bits.
         """
+        # ratio^order <= 2^-bits where order >= bits/log2(1/ratio).
         order = self.order or ceil(bits / -log2(self.ratio))
         return order, self.jacobian_order
 
@@ -109,6 +114,7 @@ class Piece:
         """Balls of the solutions from all points within the norm `start` of the centre: T and the
         bound of their distance from it.
         """
+        # T_i(s) +- w_i apart(s, start).
         radii = self.disc.sides(self.disc.apart(outward(since), start))
         return [
             one(since) + arb(0, radius) for one, radius in zip(self.polynomials, radii, strict=True)
@@ -131,8 +137,8 @@ class Chain(Guarded):
     steady: int = 0
 
     def begin(self) -> None:
-        """Sets what is known before the first piece; bits, steps, field, slopes, centre and spread
-        must be set.
+        """Sets all that belongs to the pieces, of which there are none yet; bits, steps, field,
+        slopes, centre and spread must be set.
         """
         self.order, self.jacobian_order = self.steps.orders(self.bits)
         self.pieces: list[Piece] = []
@@ -152,8 +158,9 @@ class Chain(Guarded):
             return piece.at(t - arb_of(piece.begin))
 
     def jacobian(self, t: arb) -> arb_mat:
-        """Enclosure of the derivative of the state at t by that at 0."""
+        """Enclosure of the derivative of the state at t by the state at 0."""
         piece = self.piece(t)
+        # V(t) = V of the piece up to t, times V from 0 to its start.
         with precision(self.bits + GUARD):
             return self.moved_by(piece, t - arb_of(piece.begin)) * piece.spread.jacobian()
 
@@ -187,7 +194,7 @@ class Chain(Guarded):
     def advance(self) -> None:
         """Makes the next piece and moves the set to its end.
 
-        UndecidedError where none is proved, whose `time` is the end so far.
+        UndecidedError where no piece is proved; its `time` is the end of the last one.
         """
         begin = self.end
         if len(self.pieces) >= MOST_PIECES:
@@ -205,8 +212,8 @@ class Chain(Guarded):
             order = self.jacobian_order or proved.jacobian_order(jacobian_bits)
             flow = flow_series(self.slopes, polynomials, proved, start, order, self.steady)
         piece = Piece(begin, proved.step, polynomials, proved, self.spread, start, flow)
-        # The exact centre of the next piece is the midpoint of this one's end; the set is moved by
-        # the flow Jacobian, and takes in the radius of that end.
+        # The centre at the end is a ball c' + u: its midpoint c' is the exact centre of the next
+        # piece. The set {A r} becomes {V A r + u}, with the flow Jacobian V (moved.py).
         with precision(self.bits + GUARD):
             length = arb_of(piece.length)
             end = piece.centre(length)
@@ -223,8 +230,10 @@ class Chain(Guarded):
     def least_weights(self, radii: Sequence[arb]) -> list[arb]:
         """The least weight of each coordinate y_i, whose error is at most `radii[i]`.
 
-        The largest of three: SMALL |y_i|; radius/SMALL, but at most |y_i|, so that the set is small
-        beside its weight; and 2^-2bits of the largest |y_i| so far, for one that passes zero.
+        w_i = max(SMALL |y_i|, min(radii_i/SMALL, |y_i|), 4^-bits times the largest |y_i| so far).
+
+        The second term keeps the set small in comparison with its weights, the third one serves a
+        coordinate that passes zero.
         """
         sizes = [outward(value) for value in self.centre]
         largest_before = self.largest or sizes
@@ -236,15 +245,15 @@ class Chain(Guarded):
         return least
 
     def moved_by(self, piece: Piece, since: arb) -> arb_mat:
-        """The flow Jacobian V from the start of a piece to `since` [s] after it."""
+        """The flow Jacobian V from the start of a piece to the time `since` [s] after that."""
         with precision(self.steps.jacobian_bits + GUARD):
             return flow_jacobian(piece.flow, piece.disc, since)
 
     def proved_disc(self, polynomials: Sequence[arb_poly], begin: Fraction) -> Disc:
         """The disc for the longest step that is found, or for a shorter one.
 
-        UndecidedError where none is. That does not say that the motion is singular: the set may
-        have swollen, and more bits make it smaller.
+        UndecidedError where no disc is proved. The motion need not be singular there: the set may
+        have become too large, and more bits make it smaller.
         """
         radii = self.spread.radii()
         least = self.least_weights(radii)
@@ -309,7 +318,7 @@ class Integration(Chain):
 def unequal(weights: Sequence[arb]) -> int:
     """The number of bits, at most UNEQUAL, by which the largest weight is above the smallest."""
     sizes = [float(weight) for weight in weights]
-    # Kept within the doubles: a weight may be below all of them.
+    # Both numbers are kept within the range of doubles, which a weight may leave.
     ratio = max(sizes) / max(min(sizes), 1e-300)
     bits = int(log2(max(1.0, min(ratio, 1e300))))
     return min(UNEQUAL, bits)

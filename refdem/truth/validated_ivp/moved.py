@@ -1,10 +1,14 @@
 """The set in which the solution lies, moved by the flow: Lohner's frame against wrapping, and the
 flow Jacobian from the start.
 
-Theorem (mean value): if y = c + e with c, y in a convex set, then Phi(y) = Phi(c) + V e for some V
-in an enclosure of the flow Jacobian over the set. So e = A r with |r_j| <= length_j, and Phi(c) =
-c' + u, give e' = Q (Q^-1 V A r + Q^-1 u): any regular Q is allowed, and the Q of a QR decomposition
-of V A with its longest edge first wraps least (Lohner 1987).
+Theorem (mean value): let Phi be the map of a step, c and y = c + e two points of a convex set, and
+V an enclosure of the Jacobian of Phi over that set. Then Phi(y) is in Phi(c) + V e. So with e = A
+r, |r_j| <= length_j, and with Phi(c) = c' + u, c' exact, the new error e' = Phi(y) - c' is
+
+    e' = V A r + u = Q (Q^-1 V A r + Q^-1 u).
+
+Any regular Q is allowed. That of a QR decomposition of V A with the columns in falling order of
+their lengths wraps little (Lohner 1987).
 """
 
 from collections.abc import Sequence
@@ -26,8 +30,9 @@ BITS = 128
 class Spread:
     """The set of errors {A r: |r_j| <= lengths_j}, and the flow Jacobian since the start.
 
-    `frame` is A, whose columns are the axes of the set. The Jacobian lies in `growth` + A `slack`,
-    `growth` being exact: so its uncertainty is kept in the frame too.
+    `frame` is A, whose columns are the axes of the set. The flow Jacobian lies in `growth` + A
+    `slack`, where `growth` is exact: its uncertainty too is counted along the axes of the frame,
+    against wrapping.
     """
 
     frame: arb_mat
@@ -41,7 +46,7 @@ class Spread:
             return products(self.frame, self.lengths)
 
     def around(self, centre: Sequence[arb]) -> list[arb]:
-        """Balls that hold every state whose error from `centre` is one of these."""
+        """Balls of the states `centre` + e, for all errors e of the set."""
         return [value + arb(0, radius) for value, radius in zip(centre, self.radii(), strict=True)]
 
     def jacobian(self) -> arb_mat:
@@ -83,15 +88,17 @@ def flow_series(
     J(y(t)). The rates of the last `steady` coordinates are constant: their rows of J are 0, those
     of V are those of the unit matrix, and only the rows above are computed.
 
-    Theorem: on the disc two solutions differ by at most exp(integral of L) start (Gronwall), and
-    each from T by `apart`; coefficients differ by that R^-n (Cauchy). Those of T are those of the
-    solution from T(0) up to N, and 0 beyond.
+    Theorem: on the disc, a solution y from the set and the solution y* from T(0) differ by at most
+    exp(integral of L) start (Gronwall), and y and T by at most apart(R). So their coefficients of
+    z^n differ by at most R^-n times these (Cauchy). The coefficients of T are those of y* for n <=
+    N, and 0 for n > N.
     """
     size = len(polynomials)
     radius = proved.radius
     near = proved.gronwall(radius) * start
     far = proved.apart(radius, start)
-    # Bounds of the difference of the n-th coefficients of solutions from those of T.
+    # Bounds w_i exp(integral of L) start R^-n, n <= N, and w_i apart(R) R^-n, n > N, of the
+    # difference of coefficient n of coordinate i from that of T.
     margins = []
     for n in range(order):
         if n <= proved.order:
@@ -106,6 +113,9 @@ def flow_series(
     moving = size - steady
     by_moving = [part(one, moving, 0, moving) for one in slopes]
     terms = [part(unit_matrix(size), moving, 0, size)]
+    # (n+1) V_(n+1) = sum over i <= n of J_i V_(n-i). Rows of V of moving coordinates are computed;
+    # rows of steady ones are 0 in V_1, V_2, ..., and part of the unit matrix in V_0, so that their
+    # columns of J_n enter once, as the last columns of the sum.
     for n in range(order):
         products_of_order_n = map(mul, by_moving[: n + 1], terms[::-1])
         total = sum(products_of_order_n, arb_mat(moving, size))
@@ -160,13 +170,17 @@ def flow_jacobian(terms: Sequence[arb_mat], proved: Disc, since: arb) -> arb_mat
 
 
 def moved(spread: Spread, jacobian: arb_mat, local: Sequence[arb], bits: int = BITS) -> Spread:
-    """The set after a step with that flow Jacobian V, where `local` bounds |u|, the new errors of
-    the coordinates (theorem of the module).
+    """The set after a step with the flow Jacobian V (`jacobian`), where `local` bounds |u|, the
+    error of the step itself in each coordinate (theorem of the module).
 
-    e' = Q (Q^-1 V A r + Q^-1 u), and likewise V (growth + A slack) = growth' + Q slack' with the
-    midpoint growth' of V growth. The frame and `growth` have so many `bits`.
+        A' = Q,    lengths' = |Q^-1 V A| lengths + |Q^-1| local,
+        growth' = mid(V growth),    slack' = Q^-1 V A slack + Q^-1 (V growth - growth').
+
+    The second line splits V (growth + A slack) into growth' + Q slack'. The frame and `growth` have
+    so many `bits`.
     """
     with precision(bits):
+        # V A, and Q^-1 V A.
         edges = jacobian * spread.frame
         frame = orthogonal(edges, spread.lengths)
         back = frame.inv()
@@ -180,10 +194,10 @@ def moved(spread: Spread, jacobian: arb_mat, local: Sequence[arb], bits: int = B
 
 
 def orthogonal(edges: arb_mat, lengths: Sequence[arb]) -> arb_mat:
-    """An exact matrix, orthogonal to rounding, whose first axes are along the longest edges: the Q
-    of a QR decomposition, with the columns in order of their lengths.
+    """An exact matrix, orthogonal up to rounding, whose first axes are along the longest edges: the
+    Q of a QR decomposition of the columns in falling order of their lengths.
 
-    Column j of `edges` times lengths[j] is an edge of the set. Any regular matrix would do.
+    Column j of `edges` times lengths[j] is an edge of the set. Any regular matrix is allowed.
     """
     longest = largest(lengths)
     if longest > 0:

@@ -16,8 +16,8 @@ from refdem.truth.traced_field import Program
 
 Series = list[arb]
 BLOCK = 16
-"""The number of coefficients that are multiplied one by one; Arb multiplies whole blocks of so
-many.
+"""The number of coefficients in a block: products of blocks are made by Arb, those of the newest
+coefficients one by one.
 """
 
 
@@ -49,7 +49,8 @@ class Product:
             if begin == k:
                 # k & -k is the largest power of two in k.
                 self.add_blocks(k, k & -k)
-            # Pairs with x's index in the block of k, and those with y's.
+            # Pairs whose index of x is in the block of k, then those whose index of y is:
+            # sum over i in [begin, k] of x_i y_(k-i) + y_i x_(k-i).
             half = sum(map(mul, x[begin : k + 1], y[k - begin :: -1]), arb(0))
             if x is y:
                 newest = 2 * half
@@ -76,6 +77,7 @@ class Product:
                 whole += arb_poly(y[low:k]) * arb_poly(x[: 2 * m])
         else:
             whole = arb_poly(x[low:k]) * arb_poly(y[:m])
+        # Coefficient i - low of x_low .. x_(k-1) times y_0, y_1, ... is a part of [x y]_i.
         self.known += [arb(0)] * (k + m - len(self.known))
         for i in range(k, k + m):
             self.known[i] += whole[i - low]
@@ -160,6 +162,8 @@ def product(_: Series, __: arb, a: Series, b: Series) -> Rule:
 
 def quotient(q: Series, _: arb, a: Series, b: Series) -> Rule:
     """The Taylor coefficients q_n of a quotient a/b: q b_0 = a - q (b - b_0)."""
+    # q_n = (a_n - [q (b - b_0)]_n)/b_0; the coefficient of b - b_0 at n = 0 is 0, so that `later`
+    # has b_1, b_2, ... and the next product is that of index n - 1.
     later: Series = []
     whole = Product(q, later)
     yield a[0] / b[0]
@@ -170,6 +174,8 @@ def quotient(q: Series, _: arb, a: Series, b: Series) -> Rule:
 
 def root(s: Series, _: arb, a: Series) -> Rule:
     """The Taylor coefficients s_n of a square root: 2 s_0 (s - s_0) = a - a_0 - (s - s_0)^2."""
+    # s_n = (a_n - [(s - s_0)^2]_n)/(2 s_0) for n >= 1. `later` has s_1, s_2, ..., so that the next
+    # product is that of index n - 2; for n = 1 the square has no term.
     later: Series = []
     whole = Product(later, later)
     yield a[0].sqrt()
