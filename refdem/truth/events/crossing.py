@@ -1,10 +1,10 @@
-"""Where a switching function is proved positive along a piece, and where it is first zero:
-bisection and interval Newton.
+"""Proofs that a switching function is positive along a piece, or where it is first zero: bisection
+and interval Newton.
 
-Theorem: let G(I) and D(I) hold the function and its rate for every motion of the set over the times
-I. If G(I) > 0, or D(I) > 0 after a positive value, it is positive on I. If D(I) < 0, positive
-before and negative after, each motion has exactly one zero in I, and with any m in I all zeros lie
-in m - G(m)/D(I) (interval Newton).
+Theorem: let G(I) and D(I) enclose the function and its derivative in time, for every motion of the
+set and all times of an interval I = [a, b]. If G(I) > 0, or G(a) > 0 and D(I) > 0, the function is
+positive on I. If D(I) < 0, G(a) > 0 and G(b) < 0, it has exactly one zero in I for each motion, and
+for any m in I all these zeros lie in m - G(m)/D(I) (interval Newton).
 """
 
 from collections.abc import Callable, Sequence
@@ -22,21 +22,21 @@ SPLIT = 63
 motions lie.
 """
 LEAST = 2.0**-100
-"""The least part of a window that is split: what is not decided on less is grazing, or a zero at an
-end that more digits tell apart.
+"""The least part of a window that is still split. An interval that is shorter and not decided holds
+a grazing contact, or has a zero so close to its end that only more digits separate them.
 """
 
 
 FINAL = ("end", "singular", "time")
-"""The codes of ends that more bits do not move."""
+"""The codes of ends that do not depend on the number of bits."""
 
 
 class SwitchError(UndecidedError):
-    """Balls cannot follow a motion through a switch.
+    """A motion cannot be followed through a switch at this precision.
 
-    `code` is that of an end (errors.py), `since` [s] about when it was in the piece. `state` has
-    balls of the last certified state (its clock last); `final` says that more digits would seldom
-    help.
+    `code` is the kind of end (errors.py), `since` [s] its approximate time in the piece. `state`
+    has balls of the last certified state (its clock last); `final` is True where more digits would
+    seldom help.
     """
 
     def __init__(self, code: str, message: str, since: float) -> None:
@@ -45,8 +45,8 @@ class SwitchError(UndecidedError):
         self.state: list[arb] = []
 
     def at(self, state: Sequence[arb], *, thin: bool = False) -> Self:
-        """The same error with the last certified state; where the set is `thin` there, ends of a
-        boundary are final.
+        """The same error with the last certified state; where the set is `thin` there, the codes of
+        a boundary (grazing, corner, separatrix) are final.
         """
         self.state = list(state)
         self.final = self.final or (thin and self.code in ("grazing", "corner", "separatrix"))
@@ -87,8 +87,8 @@ def first_crossing(watched: Watched, low: arb, high: arb) -> arb | None:
         raise SwitchError(
             "corner", f"{watched.name} is not proved positive where it begins", float(low)
         )
-    # The order of the derivative that decides until the value has left the zero at the start: if
-    # all below it vanish there and it is positive, the value is positive (Taylor). 0 afterwards.
+    # The order n of the zero at the start, 0 once the value has left it. With G = G' = ... =
+    # G^(n-1) = 0 at `begin` and G^(n) > 0 on the interval, G > 0 after `begin` (Taylor).
     order = watched.touching
     # Invariant: from `low` to the start of the interval that is popped next, the value is proved
     # positive, but for the zero at `low`.
@@ -101,7 +101,7 @@ def first_crossing(watched: Watched, low: arb, high: arb) -> arb | None:
             order = 0
             continue
         if not order:
-            # The value is positive at `begin`: it stays so if it rises, or falls to a positive one.
+            # G > 0 at `begin`: G > 0 on the interval if D > 0, or if D < 0 and G > 0 at `end`.
             rate = watched.rate(interval)
             if rate > 0 or (rate < 0 and watched.value(end) > 0):
                 continue
@@ -116,7 +116,7 @@ def first_crossing(watched: Watched, low: arb, high: arb) -> arb | None:
 
 
 def touches(watched: Watched, begin: arb) -> bool:
-    """True, after a check that every derivative that an entry says is 0 may be: its ball holds 0.
+    """True, after a check that the ball of every derivative that an entry declares to be 0 holds 0.
 
     ValueError if one does not.
     """
@@ -145,8 +145,8 @@ def only_zero(watched: Watched, low: arb, high: arb) -> arb:
 
 
 def undecided(watched: Watched, low: arb, high: arb) -> SwitchError:
-    """The reason why neither a sign nor a crossing is proved on the interval that is left: the rate
-    may vanish (grazing), or more digits are needed.
+    """The error for an interval on which neither a sign nor a crossing is proved: the rate may
+    vanish (grazing), or more digits are needed.
     """
     middle = float(low.union(high).mid())
     if watched.rate(low.union(high)).contains(0):
@@ -163,7 +163,7 @@ def undecided(watched: Watched, low: arb, high: arb) -> SwitchError:
 def earliest(guards: list[Watched], low: arb, high: arb) -> tuple[str, arb] | None:
     """The name of the guard that is first zero in (low, high] and a ball of when it is.
 
-    None if none is. SwitchError where two may come together.
+    None if no guard vanishes. SwitchError where two may vanish at the same time.
     """
     first: tuple[str, arb] | None = None
     for watched in guards:
@@ -184,7 +184,7 @@ def earliest(guards: list[Watched], low: arb, high: arb) -> tuple[str, arb] | No
 def carried_crossing(guards: list[Watched], low: arb, high: arb) -> tuple[str, arb] | None:
     """The crossing that `earliest` finds, of guards that may carry derivatives by parameters.
 
-    Where G(x) = 0 the derivative of x is -(that of G at a fixed x)/G'(x).
+    G(x, p) = 0 gives dx/dp = -(dG/dp at a fixed x)/G'(x), for each parameter p.
     """
     found = earliest([undirected(watched) for watched in guards], ball(low), ball(high))
     if found is None:
@@ -210,7 +210,7 @@ def crossing_before(watched: Watched, low: arb, other: tuple[str, arb]) -> arb |
     """The first crossing up to that of the `other` guard, given by name and time; None if there is
     none.
 
-    A zero too near that of the other one is a corner.
+    A zero that cannot be separated from that of the other one is a corner.
     """
     name, when = other
     try:
@@ -224,9 +224,9 @@ def crossing_before(watched: Watched, low: arb, other: tuple[str, arb]) -> arb |
 
 
 def sign(value: arb, what: str) -> int:
-    """The sign of a ball: -1, 0 (an exact 0 only) or 1; `what` it is goes into the message.
+    """The sign of a ball: -1, 0 (an exact 0 only) or 1; `what` names it in the message.
 
-    SwitchError (a corner) where the ball holds zero and more.
+    SwitchError (a corner) where the ball holds zero and other numbers.
     """
     if value > 0 or value < 0 or value == 0:
         return int(bool(value > 0)) - int(bool(value < 0))

@@ -1,19 +1,24 @@
 """The derivatives of a motion through events by the parameters of its modes, guards and resets.
 
-Theorem: with the parameters p as coordinates whose rate is 0 and which no reset changes, a system
-that switches is one without parameters. The derivative of its state by p is then that by a part of
-its start, which the jump matrices carry through each event (phase.py): with the derivative dt*/dp =
--g_p/(grad g . f) of the time of the event, and that of the reset.
+Theorem: let the parameters p be added to the state, as coordinates whose rate is 0 and which no
+reset changes. The switching system then has no parameters, and the derivative of its state by p is
+the derivative by a part of its start, which the jump matrices propagate through each event
+(phase.py). They contain the derivative of the time t* of the event, with g_y = grad g,
+
+    dt*/dp = -(g_p + g_y . dy/dp)/(g_y . f),
+
+and the derivative of the reset by p.
 
 Hypotheses, and where each is checked:
 
-* the motion beside it passes the same events in the same order: a guard crosses zero at a proved
-  rate (Phase.after), and two guards do not come together (`earliest`, crossing.py);
-* what an entry says is exactly zero is so for all parameters beside them: derivatives are bracketed
-  by differences of certified values (sensitivities.py).
+* motions for parameters near p pass the same events in the same order: each guard crosses zero at a
+  rate that is proved not to be 0 (`Phase.after`), and no two guards vanish at the same time
+  (`earliest`, crossing.py);
+* a guard that an entry declares to be exactly 0 is 0 there for all parameters near p: derivatives
+  are bracketed by differences of certified values (sensitivities.py).
 
-A state here is (y_1, .., y_n, d_1, .., d_count, clock), with d_k = 1 for the parameter k
-(traced_field.py).
+A state of this module is (y_1, .., y_n, d_1, .., d_count, clock): n coordinates of the mode but for
+the clock, one coordinate d_k = 1 for each of the `count` parameters (traced_field.py), the clock.
 """
 
 from collections.abc import Mapping, Sequence
@@ -30,12 +35,12 @@ from refdem.truth.validated_ivp.integration import GUARD
 
 
 def inner(y: Sequence[Any], count: int) -> list[Any]:
-    """The coordinates of the mode itself, without its `count` parameters."""
+    """The coordinates (y_1, .., y_n, clock) of the mode, without its `count` parameters."""
     return [*y[: -1 - count], y[-1]]
 
 
 def beside_parameters(y: Sequence[Any], parameters: Sequence[Any]) -> list[Any]:
-    """The coordinates of a mode with those of its parameters before the clock."""
+    """The coordinates of a mode with those of its parameters inserted before the clock."""
     return [*y[:-1], *parameters, y[-1]]
 
 
@@ -115,8 +120,10 @@ def directed_start(start: Sequence[arb], count: int) -> list[arb]:
 def dual_state(motion: Followed, t: arb, start: Sequence[arb], count: int) -> list[arb]:
     """The coordinates of the mode at t, with their derivatives by the parameters.
 
-    dy_i/dp_k is the sum of dy_i(t)/dy_j(0) dy_j(0)/dp_k over j, and of dy_i(t)/dd_k. `motion` is
-    that of the directed modes, `start` has the dual balls of the start of the modes themselves.
+        dy_i(t)/dp_k = dy_i(t)/dd_k + sum over j of dy_i(t)/dy_j(0) dy_j(0)/dp_k,
+
+    where j runs over the coordinates of the mode, the clock included. `motion` is that of the modes
+    with parameters as coordinates, `start` has the start of the modes themselves as dual balls.
     """
     state = motion.at(t)
     table = motion.jacobian(t).table()
@@ -124,6 +131,7 @@ def dual_state(motion: Followed, t: arb, start: Sequence[arb], count: int) -> li
     with precision(motion.bits + GUARD):
         duals: list[arb] = []
         for value, row in zip(inner(state, count), inner(table, count), strict=True):
+            # dy_i(t)/dd_k, to which each coordinate j of the start adds its product.
             slopes = list(row[-1 - count : -1])
             for by_start, one in zip(inner(row, count), start, strict=True):
                 of_start = slopes_of(one) or no_slopes

@@ -14,9 +14,9 @@ from refdem.truth.validated_ivp.integration import GUARD
 class Following:
     """The motion and the course on which its steps are marked.
 
-    A motion that can be scouted goes on at the pace of its scout, which knows the pieces of modes
-    to come; another one at that of its cycles. It is followed to `t` (by the clock of the motion);
-    `is_final` says that it ended before, where more bits do not help.
+    The work left of a motion that can be scouted is estimated by its scout, which has seen the
+    modes to come; that of another motion by its cycles so far. The motion is followed to `t` (by
+    its own clock); `is_final` is True if it ended before, in a way that more bits do not change.
     """
 
     def __init__(self, motion: Followed, course: Course, t: Fraction) -> None:
@@ -24,7 +24,7 @@ class Following:
         self.t = t
         self.course = course
         self.scout: EventScout | None = None
-        # How many times the radius of the set `at` has read at most.
+        # The largest ratio so far of the radius that `at` gives to that of the set.
         self.excess = arb(1)
         self.is_final = False
         self.is_scouted = can_be_scouted(motion)
@@ -47,10 +47,10 @@ class Following:
         return not self.motion.over()
 
     def state(self) -> tuple[Fraction, int, arb]:
-        """The time [s] reached, the pieces made, and the radius of the set times how far `at` was
-        ever above it.
+        """The time [s] reached, the pieces made, and the radius that `at` is expected to give.
 
-        What `at` reads within a piece depends on the mode, and t may lie in another one.
+        That is the radius of the set times the largest ratio of both radii so far: the ratio
+        depends on the mode, and t may lie in another one.
         """
         motion = self.motion
         pieces = sum(len(phase.pieces) for phase in motion.phases)
@@ -62,10 +62,10 @@ class Following:
         return motion.reached(), pieces, read
 
     def look_ahead(self, steps: int) -> None:
-        """Sends the scout so many steps on, up to t, once the motion shows a pace.
+        """Advances the scout by so many steps, up to t, once the motion has PROBES pieces.
 
-        Few pieces are enough where it came to t. Where it can go no further (a series that ends has
-        no radius) the pace is that of cycles.
+        Where the scout has reached t, few pieces suffice for a forecast. Where it cannot go on (a
+        Taylor series that ends has no radius of convergence) the work left is estimated by cycles.
         """
         if not self.is_scouted:
             return
@@ -88,8 +88,8 @@ class Following:
 
 
 def read_radius(motion: Followed) -> arb:
-    """The largest radius of a state as `at` reads it where the motion has been followed to: within
-    a piece the set is bounded by the Gronwall inequality, and is larger than the set at its end.
+    """The largest radius of a state that `at` gives at the end of what has been followed: within a
+    piece the set is bounded by Gronwall's inequality, which gives more than the set at its end.
     """
     phase = motion.phases[-1]
     if not phase.pieces:

@@ -1,7 +1,7 @@
 """A motion from mode to mode, at one precision, as far as it is asked for; phases are kept.
 
-A set of motions enters each mode at clock times that need not be equal: the clock is a coordinate,
-and the state at a given time t is that of each member at its own t - clock.
+The motions of a set enter a mode at times c that need not be equal: c is the clock coordinate of
+each at its entry, and its state at the time t is that of its own time t - c since the entry.
 """
 
 from bisect import bisect_right
@@ -19,8 +19,8 @@ from refdem.truth.validated_ivp.integration import GUARD, Steps
 from refdem.truth.validated_ivp.moved import Spread, at_start
 
 THIN = 2.0**-100
-"""The radius of a thin set: where one cannot be followed, it is so close to the boundary that more
-digits would seldom help.
+"""The largest radius of a thin set. Where a thin set cannot be followed past a boundary, it is so
+close to the boundary that more digits would seldom help.
 """
 
 
@@ -93,7 +93,7 @@ class Followed(Guarded):
             if self.is_stopped_before(t):
                 raise self.stop()
         clocks = [float(phase.entered[-1].mid()) for phase in self.phases]
-        # The clocks are midpoints of balls: only the phases beside the one they name can hold t.
+        # The clocks are midpoints of balls: t can lie in the phase found by them or next to it.
         nearest = bisect_right(clocks, float(t.mid()))
         for index in range(max(0, nearest - 2), min(len(self.phases), nearest + 2)):
             if self.holds_throughout(index, t):
@@ -156,7 +156,7 @@ class Followed(Guarded):
     def end_of(self, index: int) -> arb:
         """The time at which the phase of that number ends.
 
-        It is known also where the event could not be passed, so that what is before it stays
+        It is known also for an event that could not be passed, so that times before it stay
         certified.
         """
         if index < len(self.events):
@@ -185,7 +185,7 @@ class Followed(Guarded):
             raise self.with_last_state(phase, ended) from None
 
     def pass_event(self, phase: Phase) -> None:
-        """Hands the set on through the event that ends a phase to the next mode."""
+        """Moves the set through the event that ends a phase, into the next mode."""
         guard, _, _, states = phase.crossing()
         with precision(self.bits + GUARD):
             entry = guard.then(states)
@@ -223,8 +223,8 @@ class HybridMotion(Followed):
 
 
 def first_entry(first: Callable[[State], Entry], start: State) -> Entry:
-    """The entry `first(start)`; where balls cannot tell it, the SwitchError has the start as its
-    last certified state.
+    """The entry `first(start)`; where it is not decided by balls, the SwitchError has the start as
+    its last certified state.
     """
     try:
         return first(start)
@@ -233,14 +233,16 @@ def first_entry(first: Callable[[State], Entry], start: State) -> Entry:
 
 
 def at_fixed_time(phase: Phase, state: Sequence[arb]) -> arb_mat:
-    """The matrix 1 - f e_clock, which turns changes at a time since each motion's own entry into
-    changes at a given time.
+    """The matrix 1 - f e^T, which turns errors at one time since each motion's own entry into
+    errors at one time t.
 
-    A motion whose clock is later by c at its entry is at its own time t - c, which changes the
-    state by -c f. `state` has balls of the states, at which the field f is evaluated.
+    e is the unit vector of the clock, the last coordinate. A motion that enters later by dc has
+    moved for a time shorter by dc, which changes its state at t by -f dc. `state` has balls of the
+    states, at which the field f is evaluated.
     """
     rates = phase.field.run(state)
     size = phase.mode.size
+    # f e^T: the field in the column of the clock.
     by_clock = arb_mat(size, size)
     for i, rate in enumerate(rates):
         by_clock[i, size - 1] = rate

@@ -1,12 +1,16 @@
-"""One stay in a mode: its pieces, the search for what ends it, and the set that it hands on through
-the event.
+"""One stay in a mode: its pieces, the search for the event that ends it, and the set after that
+event.
 
 Theorem (hand-over): let every motion of the set c + {A r} cross the section g = 0 once, at a time
-in T, and let V, f, grad g and the reset's Jacobian R hold their values for all of them there. Then
-the map from the set to the state after the event is differentiable with a Jacobian in R (1 - f grad
-g / (grad g . f)) V, so the mean value theorem moves the set as it does over a step: to the image of
-c, whose own crossing is known far better, plus that Jacobian times A r. The uncertain time of the
-event is in the clock's coordinate.
+in T, and let V, f, grad g and the reset's Jacobian R enclose the flow Jacobian and these functions
+at all those crossings. Then the map E from the set to the states after the event is differentiable,
+with a Jacobian in
+
+    X = R (1 - f grad g^T/(grad g . f)) V,
+
+so that by the mean value theorem E(c + A r) is in E(c) + X A r, as over a step (moved.py). The
+crossing of the single motion from c, and with it E(c), has a far smaller ball than those of the
+set. The uncertainty of the time of the event is carried by the clock coordinate.
 """
 
 from collections.abc import Sequence
@@ -22,12 +26,12 @@ from refdem.truth.validated_ivp.integration import GUARD, Chain, Piece, Steps
 from refdem.truth.validated_ivp.moved import BITS, Spread, moved
 
 RETRIES = 4
-"""Tries of a window whose end lies too near a zero: each is a little shorter."""
+"""Tries of a window whose end lies too near a zero of a guard: each is shorter than the last."""
 SHORTER = Fraction(7, 8)
-"""The factor by which it is shorter."""
+"""The ratio of the widths of a window at successive tries."""
 BEYOND = Fraction(1, 64)
-"""The least width of a window as a part of its piece. It may reach beyond the piece's end (but not
-its disc's), where a zero may lie exactly.
+"""The least width of a window as a part of its piece. A window may extend beyond the end of the
+piece, where a zero may lie exactly, but not beyond the disc.
 """
 
 
@@ -35,10 +39,10 @@ class Phase(Chain):
     """The motions of the set centre + spread from their entries into a mode; times are those since
     each motion's own entry.
 
-    `searched` is the time up to which no guard has a zero, `ends` the guard that ends the phase and
-    a ball of when, once it is found; `never` says that nothing ends it. `entered` has balls of the
-    state at the entry, with the clock last. `stopped` bounds the time by which every motion has run
-    into a singularity of the field, once that is proved.
+    `searched` is the time up to which no guard has a zero; `ends` is the guard that ends the phase
+    with a ball of the time at which it does, once it is found; `never` is True if no guard ends it.
+    `entered` has balls of the state at the entry, with the clock last. `stopped` bounds the time by
+    which every motion has run into a singularity of the field, once that is proved.
     """
 
     def __init__(
@@ -122,7 +126,7 @@ class Phase(Chain):
         a ball of the time since the entry at which it is; None if none is.
         """
         begin = arb_of(piece.begin)
-        # Guards vanish by the entry's own word only where the first window begins.
+        # The zeros that the entry declares lie at the start of the first window.
         at_entry = low == 0
         with precision(self.bits + GUARD):
             guards = [
@@ -152,7 +156,7 @@ class Phase(Chain):
         return Watched(name, [along(program) for program in self.mode.rates[name]], touching)
 
     def leave(self) -> None:
-        """Sets `ends` or `never` as the closed form of the mode says."""
+        """Sets `ends` or `never` by the closed form of the mode."""
         leaves = self.mode.mode.leaves
         assert leaves is not None
         with precision(self.bits + GUARD):
@@ -168,9 +172,8 @@ class Phase(Chain):
     def after(self, then: Entry) -> tuple[list[arb], Spread]:
         """The exact centre and the set after the event that ends this phase (theorem on hand-over).
 
-        `then` is the entry into the next mode. The Jacobian R (1 - f grad g/(grad g . f)) V of the
-        last piece and the event is kept in `exit`. SwitchError where the rate of the guard is not
-        proved to be negative.
+        `then` is the entry into the next mode. The Jacobian X of the theorem is kept in `exit`.
+        SwitchError where the rate grad g . f of the guard is not proved to be negative.
         """
         guard, piece, since, states = self.crossing()
         size = self.mode.size
@@ -185,8 +188,9 @@ class Phase(Chain):
             on_section = self.section(guard, states, rate) * self.moved_by(piece, since)
             reset = then.reset or unchanged
             reset_jacobian = arb_mat(size, size, self.mode.derivative_rows(reset).run(states))
+            # X = R (1 - f grad g^T/(grad g . f)) V.
             self.exit = reset_jacobian * on_section
-            # The image of the exact centre, at its own crossing.
+            # E(c), by the crossing of the single motion from c.
             centre_since = self.centre_time(piece, guard, since)
             outputs, _ = traced(reset, size, self.mode.directions)
             image = Program(outputs).run(piece.centre(centre_since))
@@ -207,14 +211,16 @@ class Phase(Chain):
             return guard, piece, since, piece.at(since)
 
     def section(self, guard: Guard, states: Sequence[arb], rate: arb) -> arb_mat:
-        """The projection 1 - f grad g/(grad g . f) of errors along the field f onto the section g =
-        0, at the `states` in which the motions cross it; `rate` is grad g . f.
+        """The projection 1 - f grad g^T/(grad g . f) of errors along the field f onto the section g
+        = 0, at the `states` in which the motions cross it; `rate` is grad g . f.
 
-        A motion that is off by e meets the section later by -grad g . e/(grad g . f).
+        A motion with the error e meets the section later by dt = -grad g . e/(grad g . f), and has
+        there the error e + f dt.
         """
         gradient = self.mode.gradients[guard.name].run(states)
         rates = self.field.run(states)
         size = len(states)
+        # Row i, column j: f_i (grad g)_j/(grad g . f).
         return unit_matrix(size) - arb_mat(
             size, size, [f * g / rate for f in rates for g in gradient]
         )

@@ -20,13 +20,13 @@ State = Sequence[arb]
 
 @dataclass(frozen=True)
 class Entry:
-    """The way into a mode: its name, the state there, and the guards of it that vanish there.
+    """The way into a mode: its name, the state there, and those of its guards that vanish there.
 
     `mode` is None where the motion ends. `reset` gives the new state from the old one (by default
-    the same); what is exactly zero on the section should be an exact 0 in it. `touching` has, for
-    each guard of the new mode that vanishes at the entry, the order of that zero: the guard and its
-    derivatives below that order are exactly 0 there for every motion, and the derivative of that
-    order is proved > 0 on the first stretch.
+    the same); a coordinate that is zero on the section should be an exact 0 in it. `touching` has,
+    for each guard of the new mode that vanishes at the entry, the order of that zero: the guard and
+    its derivatives below that order are exactly 0 there for every motion, and the derivative of
+    that order is proved > 0 on the first stretch.
     """
 
     mode: str | None
@@ -39,8 +39,8 @@ class Guard:
     """A switching function: `value(y)` > 0 inside the mode, and its first zero ends it.
 
     `then(y)` gets balls that hold every state at the zero and returns the entry; it decides by
-    `sign`, which raises UndecidedError where balls cannot (a corner). An event is known by `name`;
-    guards that start a stick are called "stick", and so on.
+    `sign` (crossing.py), which raises UndecidedError where the balls do not have one sign (a
+    corner). An event has the `name` of its guard: "stick" for one that begins a stick, and so on.
     """
 
     name: str
@@ -54,11 +54,11 @@ class Mode:
 
     `leaves(y)`, where there is a closed form, gets balls of the state at the entry and returns the
     name of the guard that ends the mode and a ball of the time since the entry at which it does, or
-    None if it never ends; it raises UndecidedError where balls cannot tell.
+    None if the mode never ends; it raises UndecidedError where balls do not decide that.
     `window` [s] is about the time between sign changes of the guards: longer pieces are searched
     window by window. `stops(y)`, where the field has a singularity that motions run into, gets
-    balls of a state and returns a bound of the time [s] since then by which all of them have, or
-    None where that is not proved.
+    balls of a state and returns a bound of the time [s] after which all motions from there have run
+    into it, or None where that is not proved.
     """
 
     field: Field
@@ -153,7 +153,7 @@ class TracedModes(dict[str, Traced]):
 
 
 def along(node: Node, rates: Sequence[Node]) -> Node:
-    """The derivative in time of a function of the state: sum of its slopes times the rates."""
+    """The derivative in time of a function g of the state: the sum over i of (dg/dy_i) y_i'."""
     total = node.trace.constant(0)
     for number, rate in enumerate(rates):
         total = total + slope(node, number) * rate
@@ -161,7 +161,7 @@ def along(node: Node, rates: Sequence[Node]) -> Node:
 
 
 def unchanged(y: Sequence[Any]) -> list[Any]:
-    """The reset of an entry without one: the state stays what it is."""
+    """The reset of an entry without one: the state does not change."""
     return list(y)
 
 

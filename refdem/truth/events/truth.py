@@ -10,9 +10,10 @@ Hypotheses, and where each is checked:
 * the solution exists in each mode and is enclosed: as for ValidatedFlow (validated_flow.py);
 * no guard has a zero before the one that ends the mode, and that zero is met by every motion of the
   set, once, with a rate that is not zero: bisection and interval Newton (crossing.py);
-* two guards do not come together: `earliest` (crossing.py), which ends as `corner`;
-* the entry is that of every motion of the set: `Guard.then` decides by `sign`, of balls that hold
-  all of them; what it says vanishes there is checked to be able to (`touches`, crossing.py);
+* no two guards vanish at the same time: `earliest` (crossing.py), which raises `corner` otherwise;
+* the entry is the same for every motion of the set: `Guard.then` decides by `sign`, of balls that
+  hold all of them; each derivative that an entry declares to be 0 is checked to have a ball that
+  holds 0 (`touches`, crossing.py);
 * the set after the event holds every motion: the theorem on hand-over (phase.py);
 * t is not within the uncertainty of an event: `HybridMotion.phase` (motion.py).
 """
@@ -53,12 +54,12 @@ from refdem.truth.validated_flow import AHEAD, Quantities, TracedReading, balls_
 from refdem.truth.validated_ivp.integration import GUARD, Piece, Steps
 
 LADDER = (192, 256, 384, 512, 768, 1024, 1536)
-"""Working precisions [bit], tried one after another until the radius is met; a motion that asks for
-more is not certified.
+"""Working precisions [bit], tried in this order until all radii are small enough; a motion that
+needs more bits is not certified.
 """
 LOSS = 24
-"""The bits that a motion loses at least: a precision of fewer bits above those of the target is not
-tried.
+"""The bits that every motion is expected to lose: precisions with fewer bits than those of the
+target and these are not tried.
 """
 METHOD = (
     "validated integration from event to event: signs by bisection, times by interval Newton,"
@@ -69,7 +70,7 @@ Motion = TypeVar("Motion", bound=Followed, covariant=True)
 
 
 class Switching(Protocol[Motion]):
-    """A system that switches between modes, as a proof through events needs it."""
+    """A system that switches between modes: what a proof through events asks of it."""
 
     @property
     def clock_unit(self) -> Fraction | None:
@@ -84,13 +85,13 @@ class Switching(Protocol[Motion]):
         """The quantities and the time [s] of a state with which a motion ended."""
 
     def beside(self, inner: arb_mat) -> arb_mat:
-        """The derivative of the coordinates that `chart` takes, from that of the coordinates of a
-        mode (`inner`).
+        """The Jacobian of the coordinates from which `chart` computes, made from `inner`, the
+        Jacobian of the coordinates of a mode.
         """
 
     def chart(self, motion: Any, phase: Phase, state: Sequence[arb]) -> arb_mat:
-        """The derivative of the coordinates in which errors are counted, in scales, by those that
-        `beside` leaves, in a state.
+        """The Jacobian, at a state, of the coordinates in which errors are measured (each over its
+        scale) by the coordinates of `beside`.
         """
 
     def parts(self) -> list[int]:
@@ -103,8 +104,8 @@ class Switching(Protocol[Motion]):
         """d quantity_i(t)/scale_i over d coordinate_j(t)/scale_j."""
 
     def approach(self, motion: Any) -> Iterable[Stretch]:
-        """The stretches of time before the motion begins, which count where it begins with an
-        event; in the coordinates of `chart`.
+        """The stretches of time before the first phase, in the coordinates of `chart`: those before
+        the event with which a motion begins.
         """
 
 
@@ -144,8 +145,8 @@ class EventProof(Guarded, Generic[Motion]):
     def derivatives(
         self, evaluate: Callable[[Motion], dict[str, arb]], what: str, count: int
     ) -> Derivatives:
-        """The derivatives by `count` parameters that the quantities of a motion carry, those that
-        `evaluate` gives.
+        """The derivatives by `count` parameters of the quantities that `evaluate` gives as dual
+        balls of a motion (dual.py).
         """
         proof = self.sharing(parameters=count)
         flat = proof.climbed(lambda motion: flattened(evaluate(motion), count), what)
@@ -201,8 +202,8 @@ class EventProof(Guarded, Generic[Motion]):
         return ladder
 
     def forecast(self, t: Fraction, digits: int) -> float:
-        """CPU seconds that a value at t (in units of the clock) to so many digits is about to cost;
-        what is followed for it is kept.
+        """CPU seconds that a value at t (in units of the clock) to so many digits is expected to
+        cost; the part of the motion that is followed for the forecast is kept.
         """
         asked = self.to(digits)
         course = Course(asked.needed()[0], has_events=True)
@@ -213,11 +214,10 @@ class EventProof(Guarded, Generic[Motion]):
         return course.seconds_for(work)
 
     def foreseen(self, t: Fraction, course: Course) -> float:
-        """The number of pieces that are still to be made until the radius at t is what is asked
-        for, counted in pieces of the course's precision.
+        """The number of pieces that are still to be made until the radius at t meets the target,
+        counted in pieces of the course's precision.
 
-        Windows are not counted: those of a mode whose solution ends in closed form cost nothing
-        beside a piece.
+        The search of windows is not counted: it costs little in comparison with a piece.
         """
         # log2 of a number that may be below all doubles.
         target = log2(self.refiner.target().numerator) - log2(self.refiner.target().denominator)
@@ -229,14 +229,14 @@ class EventProof(Guarded, Generic[Motion]):
             return next((rung for rung in LADDER if rung > bits), None)
 
         def work() -> float:
-            """What is left, as the scout sees it, who goes AHEAD of each window."""
+            """The work that is left, by a scout that makes AHEAD steps for each window."""
             following.look_ahead(AHEAD)
             return course.work_to(time, target, next_bits)
 
         if motion.over():
             return 0.0
         follow(course, following.state, following.step, t, work)
-        # What is over, or ends, costs nothing more.
+        # No piece is made after the end of a motion, or after an error that more bits do not help.
         if motion.over() or following.is_final:
             return 0.0
         return work()
@@ -316,8 +316,8 @@ class EventProof(Guarded, Generic[Motion]):
     def last_stretch(
         self, motion: Followed, number: int, begin: arb, errors: Fundamental
     ) -> Stretch:
-        """The stretch of a phase's last piece, which ends with an event: its handover has the jump
-        matrix.
+        """The stretch of a phase's last piece, which ends with an event: its handover contains the
+        jump matrix.
         """
         phase = motion.phases[number]
         while len(motion.events) <= number:
@@ -331,11 +331,12 @@ class EventProof(Guarded, Generic[Motion]):
         return Stretch(begin, length, errors, partial(self.handed_on, motion, phase, after))
 
     def errors(self, motion: Followed, phase: Phase, piece: Piece, since: arb) -> arb_mat:
-        """M of a piece: the errors in the coordinates of `chart`, `since` [s] after its start, by
-        those in the coordinates of its mode at its start.
+        """M of a piece: errors in the coordinates of `chart`, `since` [s] after its start, by
+        errors in the coordinates of its mode at its start.
 
-        Errors leave the clock alone, whose rate no state changes.
+        An error does not change the clock, whose rate is 1 in every state.
         """
+        # M = C beside(V), with the flow Jacobian V of the piece and the Jacobian C of `chart`.
         with precision(motion.bits + GUARD):
             inner = phase.moved_by(piece, since)
             return self.system.chart(motion, phase, piece.at(since)) * self.system.beside(inner)
@@ -344,20 +345,26 @@ class EventProof(Guarded, Generic[Motion]):
         """The errors after the event that ends a phase, at one time for all motions of the set, by
         those at the start of the phase's last piece.
 
-        chart beside((1 - f e_clock) R (1 - f grad g/(grad g . f)) V): V moves the error to the
-        section of the guard g, R is the Jacobian of the reset, and the first factor (of the mode
-        after it) turns changes at each motion's own event into changes at one time. `after` is the
-        phase that follows, None where the motion ends.
+            C beside((1 - f2 e^T) R (1 - f grad g^T/(grad g . f)) V)
+
+        V is the flow Jacobian of the last piece; the factor after it, with the field f of the mode
+        that ends, projects errors onto the section g = 0 of its guard; R is the Jacobian of the
+        reset. The first factor, with the field f2 of the mode that follows and the unit vector e of
+        the clock, turns errors at each motion's own event into errors at one time. C is the
+        Jacobian of `chart`. `after` is the phase that follows; where the motion ends it is None,
+        and the factors 1 - f2 e^T and R are left out.
         """
         guard, piece, since, states = phase.crossing()
         size = phase.mode.size
         with precision(motion.bits + GUARD):
             guard_rate = phase.mode.rates[guard.name][1].run(states)[0]
+            # (1 - f grad g^T/(grad g . f)) V.
             on_section = phase.section(guard, states, guard_rate) * phase.moved_by(piece, since)
             if after is None:
                 return self.system.chart(motion, phase, states) * self.system.beside(on_section)
             reset = guard.then(states).reset or unchanged
             reset_jacobian = arb_mat(size, size, phase.mode.derivative_rows(reset).run(states))
+            # R (1 - f grad g^T/(grad g . f)) V, then 1 - f2 e^T times that.
             jump = reset_jacobian * on_section
             inner = at_fixed_time(after, after.entered) * jump
             chart = self.system.chart(motion, after, after.entered)
@@ -374,9 +381,9 @@ class HybridFlow(Guarded, Truth):
     the size of each; `moved` has the coordinates of the start that S displaces, each in the scale
     of its quantity of `state`.
 
-    A family hands in what it adds: `finished` turns the values of `quantities` into those that `at`
-    returns (by default it changes nothing); `still` names quantities that are exactly 0 unless the
-    motion has them; `extremes` gives the scalars.
+    Optional parts: `finished` turns the values of `quantities` into those that `at` returns (by
+    default they are the same); `still` names quantities whose value is exactly 0 where `quantities`
+    does not give them; `extremes` gives the scalars.
     """
 
     clock_unit: ClassVar[None] = None
@@ -397,7 +404,7 @@ class HybridFlow(Guarded, Truth):
 
     @cached_property
     def programs(self) -> TracedModes:
-        """The modes as programs, by name; those that are traced already stay what they are."""
+        """The modes as programs, by name; modes that are traced already are taken as they are."""
         if isinstance(self.modes, TracedModes):
             return self.modes
         return TracedModes(self.modes, len(self.begin), lie_derivatives)
@@ -409,7 +416,7 @@ class HybridFlow(Guarded, Truth):
 
     @cached_property
     def proof(self) -> EventProof[HybridMotion]:
-        """The proof of values and of S, with the motions that were followed for it."""
+        """The proof of values and of S; it keeps the motions that it has followed."""
         return EventProof(self, self.refiner)
 
     @property
@@ -436,8 +443,8 @@ class HybridFlow(Guarded, Truth):
         return zeros | values
 
     def derivatives(self, t: Fraction, count: int) -> Derivatives:
-        """The derivatives at t of every quantity by each of `count` parameters, by which the
-        numbers of this truth carry their own derivatives (directed.py).
+        """The derivatives at t of every quantity by each of the `count` parameters by which the
+        numbers of this truth carry derivatives (directed.py).
         """
 
         def quantities_at_t(motion: HybridMotion) -> dict[str, arb]:
@@ -457,7 +464,7 @@ class HybridFlow(Guarded, Truth):
         return self.proof.sensitivity(t)
 
     def forecast(self, t: Fraction, digits: int) -> float:
-        """CPU seconds that `at(t)` to so many digits is about to cost."""
+        """CPU seconds that `at(t)` to so many digits is expected to cost."""
         return self.proof.forecast(t, digits)
 
     def motion(self, bits: int) -> HybridMotion:
@@ -519,8 +526,8 @@ class HybridFlow(Guarded, Truth):
         return arb_mat([[table[i][j] for j in self.moved] for i in self.moved])
 
     def chart(self, motion: HybridMotion, phase: Phase, state: Sequence[arb]) -> arb_mat:
-        """The diagonal matrix of 1/scale: errors of the displaced coordinates are counted in
-        scales.
+        """The diagonal matrix of 1/scale: errors of the displaced coordinates are measured in
+        units of their scales.
         """
         scales = self.displaced_scales()
         count = len(scales)
@@ -548,6 +555,7 @@ class HybridFlow(Guarded, Truth):
 
     def readings(self, motion: HybridMotion, t: arb) -> arb_mat:
         """d quantity_i(t)/scale_i over d coordinate_j(t)/scale_j."""
+        # (dq_i/dy_j) scale_j/scale_i.
         slopes = self.reading.slopes(motion.at(t))
         moved = list(zip(self.moved, self.displaced_scales(), strict=True))
         rows = []
