@@ -339,8 +339,8 @@ class Collision(Guarded, Truth):
 
 
 def moved_by_shares(shares: Sequence[arb], drifting: Sequence[int], size: int) -> arb_mat:
-    """The derivative of the coordinates of two bodies, and of those that only the mode knows, by
-    those of the relative motion, the spins, the rest, and the centre of mass.
+    """The Jacobian of the coordinates of two bodies, and of further ones of the mode, by those of
+    the relative motion, the spins, those further coordinates, and the centre of mass.
 
     x1 = x_c + m2/M r, x2 = x_c - m1/M r, with r = x1 - x2. `shares` are m1/M and m2/M, `drifting`
     the numbers of the relative positions and velocities, `size` is the number of coordinates of the
@@ -353,7 +353,7 @@ def moved_by_shares(shares: Sequence[arb], drifting: Sequence[int], size: int) -
             row = rows[body * len(drifting) + i]
             row[i] = share
             row[size + i] = arb(1)
-    # Spins, and what only the mode knows, stay what they are.
+    # Spins and further coordinates of the mode are not changed.
     for i in range(len(drifting), size):
         rows[len(drifting) + i][i] = arb(1)
     return arb_mat(rows)

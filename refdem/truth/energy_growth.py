@@ -10,9 +10,9 @@ Theorem (errors): what an error made at s has become at t is
     gamma(t) = W(t) (gamma(s)/W(s) + W(s) (k(t) - k(s)) beta(s))
 
 Proof: Z is a solution of the variational equation, and so is n/W + k Z, for which H is larger by X
-V, with k' = (1/rho + rho f'(x)) ((v/X)^2 - (f/V)^2)/W^4: the equation along e says so. Both span
-all errors. If a family of motions is known whose member changes as P + K Z by its parameter, then k
-= (K + P . Z/W^2) X V/H', H' being the change of H, up to a constant.
+V, with k' = (1/rho + rho f'(x)) ((v/X)^2 - (f/V)^2)/W^4 by the component of the equation along e.
+Both span all errors. If a family of motions is known whose derivative by its parameter is P + K Z,
+then k = (K + P . Z/W^2) X V/H', up to a constant, H' being the derivative of H by the parameter.
 
 Theorem (all times): with a period all but k repeat, and k grows by the same amount in each. So the
 matrix is linear in the number n of periods between s and t; its norm is convex, and largest for the
@@ -24,12 +24,12 @@ time, in the norm that is the larger of both coordinates: |D(t, s)| <= |D(t, c)|
 
 Hypotheses, and where each is checked:
 
-* the motion is no equilibrium, so that W > 0: families tell a `Line` of no other motion; `known`
+* the motion is no equilibrium, so that W > 0: families make a `Line` of no equilibrium; `known`
   raises UnsharpError where W is not known;
 * P, K and H' are those of the family: `Line.neighbour`, in closed form, which the families derive;
 * |f'| is at most `Line.steepest` all along the motion: an exact number of each family;
 * the cells cover all times at which errors are made: `unrounded_at`, with a last cell up to t;
-* what rounding may have lost is a small part of S: `grown` compares it with MAX_ROUNDING_PART.
+* the bound of rounding errors is a small part of S: `grown` compares it with MAX_ROUNDING_PART.
 """
 
 from collections.abc import Callable
@@ -58,15 +58,16 @@ from refdem.truth.growth import (
 Array = NDArray[np.float64]
 
 ROUNDED = 2.0**-46
-"""A bound of what the sum of a row of the product of readings, axes, D and axes is off, as a part
-of the product of their Euclidean norms.
+"""A bound of the error of the sum of a row of the product of readings, axes, D and axes in doubles,
+as a part of the product of the Euclidean norms of readings and D.
 
-Counted in units of KNOWN = 2^-50. A number known to 1 and cut off to a double is off by 1.25, a
-rounding is 1/8. Each in parts of its own norm, a row of two readings is off by sqrt(2) 1.25 < 1.8,
-each pair of axes, a cosine and a sine, by as much, D by the 4 of its longest entry (two rates 2.5,
-two roundings 0.25, the lead 0.25 and its blur 1), and the three products, of two terms, by 2/8
-each, times sqrt(2) where one factor is a pair of axes: 1. In all 1.8 + 2 x 1.8 + 4 + 1 = 10.4. The
-sum of a row of two is at most sqrt(2) of its norm: 14.8 < 16.
+Errors are counted in units of KNOWN = 2^-50: a number that is known to 1 and truncated to a double
+has the error 1.25, a rounding makes 1/8. Relative to the norm of each factor, a row of two readings
+has the error sqrt(2) 1.25 < 1.8; each pair of axes, a cosine and a sine, as much; D that of its
+entry with the most factors, 4 (two rates 2.5, two roundings 0.25, the lead 0.25 and its radius 1);
+the three products, of two terms each, 2/8 each, times sqrt(2) where one factor is a pair of axes:
+1. The sum is 1.8 + 2 x 1.8 + 4 + 1 = 10.4. The sum of a row of two numbers is at most sqrt(2) of
+its norm: 14.8 < 16.
 """
 
 
@@ -144,8 +145,8 @@ class EnergyGrowth:
 
     @cached_property
     def half(self) -> Fraction:
-        """Half the width [s] of a cell: at its ends an error has changed by the part WIDEST, at
-        most.
+        """Half the width [s] of a cell: in this time an error changes by the part WIDEST at most,
+        to first order.
         """
         # A power of two between WIDEST/2 and WIDEST over `quick`, which is m 2^e with 1/2 <= m < 1.
         exponent = frexp(self.quick)[1]
@@ -153,18 +154,18 @@ class EnergyGrowth:
 
     @cached_property
     def gained(self) -> arb:
-        """What the lead k grows by in a period; 0 without one."""
+        """The increase of the lead k in a period; 0 for a motion without a period."""
         if self.line.period is None:
             return arb(0)
         return self.lead(self.line.period) - self.lead(arb(0))
 
     def at(self, t: Fraction) -> float:
-        """S(t) >= 1; BOUNDLESS where doubles end."""
+        """S(t) >= 1; BOUNDLESS where it leaves the range of doubles."""
         with np.errstate(over="ignore", invalid="ignore"):
             return bounded(self.unrounded_at(t))
 
     def unrounded_at(self, t: Fraction) -> float:
-        """S(t) before it is rounded up; not finite where doubles end."""
+        """S(t) before it is rounded up; not finite where it leaves the range of doubles."""
         period = self.line.period
         # t = since + periods P.
         since = arb_of(t)
@@ -228,8 +229,9 @@ class EnergyGrowth:
     def grown(self, read: Array, now: Instant, count: int, periods: int) -> float:
         """The growth of errors of the first `count` cells, made `periods` periods ago.
 
-        `read` (q, 2) are the readings at the instant `now`. Infinite where doubles end;
-        UnsharpError where rounding may have lost more than the part MAX_ROUNDING_PART.
+        `read` (q, 2) are the readings at the instant `now`. Infinite where it leaves the range of
+        doubles; UnsharpError where the bound of rounding errors is above the part
+        MAX_ROUNDING_PART.
         """
         if count == 0:
             return 0.0
@@ -247,6 +249,8 @@ class EnergyGrowth:
         matrices[:, 1, 1] = rates / now.rate
         if radius * now.rate * rates.max() > float(KNOWN) * np.abs(matrices).max():
             raise UnsharpError("how errors grow is not known well enough at this precision")
+        # readings A(t) D A(s)^T, with the axes e and n as columns of A and D in these axes; errors
+        # made elsewhere in a cell grow by exp(quick half) more at most (theorem on cells).
         to_axes = np.array([instant.axes.T for instant in instants])
         answers = read @ now.axes @ matrices @ to_axes
         within_cell = np.exp(self.quick * float(self.half))

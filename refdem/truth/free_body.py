@@ -9,13 +9,16 @@ Hypotheses, and where each is checked:
 
 * steady, M parallel to omega; two equal moments; separatrix, 2 E J2 = L^2: each is decided of the
   exact start (`kind`), or of an exact tensor (rigid_cluster.py);
-* all else is elliptic: about which axis M goes is decided by balls (`Elliptic.of`), and the
-  parameter m lies in (0, 1) (Jacobi, jacobi.py); UndecidedError where balls cannot tell.
+* every other start is elliptic: the axis that M circles is decided by balls (`Elliptic.axes`), and
+  the parameter m lies in (0, 1) (Jacobi, jacobi.py); UndecidedError where balls do not decide it.
 
-Formula: M by tanh and sech, or by cn, sn and dn; phi is an integral of elliptic functions, which
-Jacobi's theta function gives without a branch: exp(i phi) = exp(i nu t) Theta(u + i a)/|Theta(u + i
-a)| up to a constant. The turn is that of phi about M, between the frames of M and the line of nodes
-at both ends.
+Formula: M by tanh and sech, or by cn, sn and dn. phi is an integral of elliptic functions, which
+Jacobi's theta function gives without a choice of branch: up to a constant factor,
+
+    exp(i phi) = exp(i nu t) Theta(u + i a)/|Theta(u + i a)|.
+
+The turn of the body from 0 to t is F(0)^T Z(phi) F(t), with the turn Z(phi) about M and the frame F
+of M and the line of nodes in body axes (`Nodal.turn`).
 """
 
 from abc import ABC, abstractmethod
@@ -42,8 +45,7 @@ from refdem.truth.rotation import (
 
 Exact3 = tuple[Number, Number, Number]
 Balls3 = tuple[arb, arb, arb]
-"""Principal moments and omega that are not rational; what must be decided of them is then decided
-by balls.
+"""Principal moments and omega that are not rational: the kind of their motion is decided by balls.
 """
 AXES = (0, 1, 2)
 
@@ -78,18 +80,18 @@ class FreeBody(ABC):
     @abstractmethod
     def lead(self, t: arb) -> arb:
         """The lead k [s/J] at t: the time by which a motion with the same |M| and more energy is
-        ahead, per energy, up to a constant.
+        ahead, per unit of energy, up to a constant.
 
-        Let w be the unit vector along the part of omega across M, W the length of that part, and b
-        the unit vector along M x omega. The motion that has more energy is displaced by w/W + k M',
-        and k' = (w J^-1 w - b J^-1 b)/W^2 (refdem/truth/body_growth.py). UndecidedError where the
-        body spins about its momentum: no such motion is near.
+        Let w be the unit vector along the part of omega perpendicular to M, W the length of that
+        part, and b the unit vector along M x omega. A motion with dE more energy differs in M by
+        (w/W + k M') dE, and k' = (w J^-1 w - b J^-1 b)/W^2 (refdem/truth/body_growth.py).
+        UndecidedError where the body spins about its momentum: W is 0 there.
         """
 
 
 @dataclass(frozen=True)
 class Principal:
-    """The start of a free body in its principal axes, and what it keeps.
+    """The start of a free body in its principal axes, and the constants of its motion.
 
     `inertia` J [kg m^2] and `omega` [rad/s] are those at t = 0, `momentum` is M = J omega there,
     `l2` is L^2, exact if the start is, and `length` is L.
@@ -197,7 +199,7 @@ class Axisymmetric(FreeBody):
         return {"period": 2 * arb.pi() / abs(self.rate), "elliptic_m": arb(0)}
 
     def fastest(self) -> arb:
-        """The largest |omega| [rad/s], which stays."""
+        """The constant |omega| [rad/s]."""
         return length_of(self.start.omega)
 
     def lead(self, t: arb) -> arb:
@@ -379,7 +381,7 @@ class Elliptic(Nodal):
     def axes(self) -> tuple[int, int, int]:
         """The axes a, 2 and c: c has the largest J if L^2 > 2 E J_2, else the smallest.
 
-        UndecidedError where balls cannot tell.
+        UndecidedError where balls do not decide that.
         """
         low, mid, high = rising(self.start.inertia)
         excess = self.start.l2 / self.start.inertia[mid] - self.start.twice_energy()
@@ -542,18 +544,21 @@ class Elliptic(Nodal):
         m1 = self.jacobi.m1
         g_other, g_mid, g_axis = (1 / arb_of(self.start.inertia[i]) for i in self.axes)
 
-        # Derivatives by the energy of the squared sizes, of m = (b2 - a2)/c2 and of ln rate, rate ~
-        # a c/b.
+        # Derivatives by the energy E of the squared sizes, A^2 = (2 E - L^2 g_c)/(g_a - g_c), B^2 =
+        # (2 E - L^2 g_c)/(g_2 - g_c), C^2 = L^2 - A^2; of m = (B^2 - A^2)/C^2; and of the logarithm
+        # of the rate, which is proportional to A C/B.
         a2_slope = 2 / (g_other - g_axis)
         b2_slope = 2 / (g_mid - g_axis)
         c2_slope = -a2_slope
         m_slope = (b2_slope - a2_slope - m * c2_slope) / c2
         log_rate_slope = a2_slope / (2 * a2) + c2_slope / (2 * c2) - b2_slope / (2 * b2)
 
-        # K: what moves all functions along the motion.
+        # K: the shift in time along the motion, (ln rate)' t by the argument u = rate t + shift,
+        # and m' kappa(u)/rate by the parameter of the functions, up to a constant.
         along = log_rate_slope * t + m_slope * self.jacobi.kappa(u) / self.rate
 
-        # p: what changes their sizes.
+        # p: the change of the sizes, A' = (A^2)'/(2 A), and of cn, sn, dn by m at fixed argument,
+        # dcn/dm = -sn^2 cn/(2 m1), dsn/dm = sn cn^2/(2 m1), ddn/dm = -sn^2 dn/(2 m1).
         by_m = m_slope / (2 * m1)
         p_other = cn * (a2_slope / (2 * a) - a * by_m * sn * sn)
         p_mid = self.sign_b * sn * (b2_slope / (2 * b) + b * by_m * cn * cn)

@@ -1,8 +1,11 @@
 """S(t): how much an error that is made at any time s <= t may have grown by t, as a proven upper
 bound.
 
-An error e made at s is D(t) D(s)^-1 e at t, to first order, D being the derivative of the flow. Let
-M be any matrix of solutions of the variational equation, M(t) M(s)^-1 = D(t) D(s)^-1.
+An error e made at s has become D(t) D(s)^-1 e at t, to first order, D(t) being the derivative of
+the state at t by the start. A regular matrix M of any solutions of the variational equation has
+M(t) M(s)^-1 = D(t) D(s)^-1, and
+
+    S(t) = max over 0 <= s <= t of |M(t) M(s)^-1|.
 
 Theorem (cell): let M(s) X = 1 + Delta(s) with |Delta(s)| <= delta < 1 for all s of a cell, X one
 fixed matrix. Then M(s) is regular, M(t) M(s)^-1 = M(t) X (1 + Delta(s))^-1, and the growth of every
@@ -12,23 +15,24 @@ not sampled: M is evaluated on balls of times, and cells are halved until delta 
 Theorem (products): let P_m be the true derivative over stretch m and Q_m the doubles that stand for
 it, |P_m - Q_m| <= eps_m. From a cell c to t the product of the P differs from that of the Q by the
 sum over m of Q_(m+1..t) (P_m - Q_m) P_(c..m), whose last factor is at most S at the start of
-stretch m, which is known. So S is a maximum of norms of products in doubles and one proven sum of
-errors.
+stretch m, which is known. So S is at most the largest norm of the products of the Q, in doubles,
+plus a proven bound of that sum.
 
 Hypotheses, and where each is checked:
 
 * M solves the variational equation on the stretch: the families' own proof; enclosures of it are
   evaluated on balls that hold all times of a cell (`Element.cell`);
-* delta <= WIDEST < 1 on every cell: `Element.cell`, which raises UnsharpError, so that
-  `Element.next_cell` halves; where `quickness` bounds the field's Jacobian instead, delta follows
-  from Gronwall's inequality;
+* delta <= WIDEST < 1 on every cell: `Element.cell`, which raises UnsharpError otherwise, on which
+  `Element.next_cell` halves the cell; where `quickness` bounds the field's Jacobian instead, delta
+  follows from Gronwall's inequality;
 * the cells cover all times up to t: `Element.cover` and `Element.until` begin each where the last
   one ended;
 * t lies in one stretch: `Stretch.is_over_at` raises UnsharpError within the uncertainty of an end;
 * |P_m - Q_m| <= eps_m: `doubles` gives the radii of what is rounded, and ROUNDING is a bound of
   products in binary64 (`Growth.passed`, `Growth.effect_at`);
-* what rounding may have lost is a small part of S: `Growth.read` compares it with
-  MAX_ROUNDING_PART, and goes on in balls (`read_in_balls`), or asks for more bits.
+* the bound of rounding errors is a small part of S: `Growth.read` compares it with
+  MAX_ROUNDING_PART; where it is larger, products are computed in balls (`read_in_balls`), or more
+  bits are asked for.
 """
 
 from bisect import bisect_right
@@ -55,11 +59,11 @@ Fundamental = Callable[[arb], arb_mat]
 class Effect:
     """The effect of all errors up to a time, on q quantities that are read there, in doubles.
 
-    `answers` (cells, q, n) has M X of every cell, what its errors become, with what they undergo as
-    they are made; `carried` (cells, q, n) is the same without that; `slack` (cells,) widens the
-    answers by its product with |carried|. `reading` (q, n) is what is read of an error made now,
-    `whole` (q, n) what is read of one made at the start. `rounding` bounds, in norm, what all of
-    them may be off.
+    Matrices from an error to its part in the quantities: `answers` (cells, q, n) has M X F for an
+    error made in each cell, F being the instant map of its stretch (the unit matrix without one);
+    `carried` (cells, q, n) has M X; `reading` (q, n) is that of an error made now, `whole` (q, n)
+    that of an error made at the start. `slack` (cells,) bounds the growth in a cell by |answers| +
+    slack |carried|. `rounding` bounds the norm of the rounding error of all of them.
     """
 
     reading: Array
@@ -75,9 +79,9 @@ WIDEST = 1 / 8
 bounds.
 """
 MAX_ROUNDING_PART = 1 / 8
-"""The part of S that rounding may have lost at most; a higher precision loses less."""
+"""The largest part of S that the bound of rounding errors may have."""
 HALVINGS = 80
-"""The most halvings of a cell; one that is still too wide says that M is not known well enough."""
+"""The most halvings of a cell; if it is still too wide then, M is not known well enough."""
 ROUNDING = 2.0**-46
 """A bound of the error of a product of two matrices of at most 32 rows in doubles, as a part of the
 product of their norms.
@@ -85,8 +89,8 @@ product of their norms.
 UPWARDS = 1 + 2.0**-30
 """The factor by which norms in doubles are multiplied at the end, so that they are upper bounds."""
 BOUNDLESS = 1e300
-"""The largest S that is given: it stands for all larger ones too, for which doubles have no digit
-left.
+"""The largest S that is returned. It stands for larger ones too, which are near the end of the
+range of doubles.
 """
 
 KNOWN = arb(2) ** -50
@@ -94,8 +98,8 @@ KNOWN = arb(2) ** -50
 double.
 """
 CLOSED_BITS = (128, 256, 512, 1024, 2048, 4096)
-"""Working precisions for S in closed form: near a separatrix its numbers lose as many digits as the
-start is off it.
+"""Working precisions for S in closed form: a start at the distance 10^-d from a separatrix loses
+about d digits.
 """
 
 
@@ -121,12 +125,12 @@ class Stretch:
     `begin` [s] is when it begins, `length` [s] how long it lasts (None: it never ends).
     `fundamental` is M over the times since the start. `handover` is M at the end, times the jump
     matrix of an event there: it takes the coordinates of M to the state after the end.
-    `instant_map` F is a matrix that an error undergoes as soon as it is made, as a slip does that
-    friction stops; None where errors stay what they are. `joins` says that nothing happens at the
-    end, where only the coordinates change. `quickness` bounds the norm of the field's Jacobian on a
-    ball of times, or the logarithmic norms of it and of its negative where errors are felt as they
-    are made; M is then evaluated at points only. `affine` says that M(s)^-1 is affine in the time
-    s, as that of a free flight is.
+    `instant_map` F is a matrix by which an error is multiplied as soon as it is made (an error of a
+    slip that friction stops at once); None for the unit matrix. `joins` is True if the end is no
+    event but only a change of coordinates. `quickness` bounds the norm of the field's Jacobian on a
+    ball of times, or the logarithmic norms of the Jacobian and of its negative where there is an
+    `instant_map`; M is then evaluated at points only. `affine` is True if M(s)^-1 is affine in the
+    time s, as in free flight.
     """
 
     begin: arb
@@ -146,7 +150,7 @@ class Stretch:
             return False
         end = self.begin + self.length
         if self.joins:
-            # Both neighbours hold near such an end: either may answer.
+            # The stretches on both sides of such an end are valid near it: either may be used.
             return bool(t.mid() > end.mid())
         if t > end:
             return True
@@ -255,9 +259,9 @@ class Cell:
     """An interval of times [low, high] since the start of a stretch, with one matrix X near M(s)^-1
     for all s in it.
 
-    |M(s) X - 1| <= delta for all of them. `inverse` is X in doubles, `slack` is delta/(1 - delta),
-    by which |(1 + Delta)^-1| may exceed 1. `fine` is X where it needs more digits than doubles
-    have.
+    |M(s) X - 1| <= delta for all s of the cell. `inverse` is X in doubles, `slack` = delta/(1 -
+    delta) is the most by which |(1 + Delta)^-1| exceeds 1. `fine` is X where it needs more digits
+    than doubles have.
     """
 
     low: Fraction
@@ -341,7 +345,7 @@ class Element:
         centre = self.stretch.fundamental(arb_of((low + high) / 2))
         inverse = inverse_in_doubles(centre)
         exact = exactly(inverse)
-        # |M(middle) X - 1|: what the rounding of X alone makes of delta.
+        # |M(middle) X - 1|: the part of delta that is due to the rounding of X.
         residual = self.off_one(centre, exact)
         fine = None
         if not residual < WIDEST / 4:
@@ -354,8 +358,9 @@ class Element:
         if self.stretch.quickness is None:
             delta = self.off_one(self.stretch.fundamental(times), exact)
         else:
-            # M(middle) M(s)^-1 is at most exp(q |s - middle|) in norm, and, q being the norm
-            # itself, 1 to less than that - 1 (Gronwall).
+            # |M(middle) M(s)^-1| <= exp(q |s - middle|), and |s - middle| <= (high - low)/2
+            # (Gronwall). If q bounds the norm of the field's Jacobian, A = M(s) M(middle)^-1 - 1 is
+            # at most exp(q |s - middle|) - 1. With M(middle) X = 1 + B, M(s) X = (1 + A)(1 + B).
             exponent = self.stretch.quickness(times) * float(high - low) / 2
             moved = expm1(min(1.0, exponent))
             # |(1 + A)(1 + B) - 1| <= |A| + |B| + |A| |B|.
@@ -399,8 +404,7 @@ class Element:
 def inverse_in_doubles(matrix: arb_mat) -> Array:
     """The inverse of the midpoints, as numpy computes it; zeros where it is singular or overflows.
 
-    No proof rests on it: `off_one` measures how far it is from the inverse, and zeros are as far
-    off as can be.
+    No proof depends on it: `off_one` bounds its distance from the inverse, which is 1 for zeros.
     """
     middle, _ = doubles(matrix)
     try:
@@ -517,7 +521,7 @@ class Growth:
         """
         effect = self.effect_at(time, readings)
         by_cell = self.norm.read(effect.answers) + self.norm.read(effect.carried) * effect.slack
-        # An error made at the time itself has not grown, but is read.
+        # An error made at the time t itself has not grown: only the readings act on it.
         at_once = self.norm.read(effect.reading)
         bound = max(float(by_cell.max(initial=0.0)), float(at_once))
         if effect.rounding > MAX_ROUNDING_PART * bound:
@@ -525,7 +529,7 @@ class Growth:
         return bounded(bound + effect.rounding)
 
     def read_in_balls(self, time: arb, readings: arb_mat | None) -> float:
-        """The same growth by products of balls, which more bits make as sharp as need be."""
+        """The same growth by products of balls, whose radii become smaller with more bits."""
         effect = self.effect_in_balls(time, readings)
         at_once = float(self.norm.read(effect.reading))
         return bounded(max(at_once, self.largest(effect.answers, effect.slack)))
@@ -547,8 +551,8 @@ class Growth:
     def effect_in_balls(self, time: arb, readings: arb_mat | None) -> BallEffect:
         """The effect of all errors up to a time, as they are read there, in balls.
 
-        UnsharpError where errors are made in some coordinates only, or felt at once: what balls
-        carry has no place for that.
+        UnsharpError where errors are made in some coordinates only, or where a stretch has an
+        instant map: the computation in balls does not have these.
         """
         number = self.number(time)
         element = self.elements[number]
@@ -611,11 +615,13 @@ class Growth:
         fresh = matrix @ inverses
         since_begin = matrix @ element.origin.inverse
         rows = max(1, matrix.shape[0])
-        # Bound of the error of the product M X of doubles, for an X of norm 1.
+        # |fl(M X) - M X| <= unit_loss |X|, with the error of the doubles of M and that of the
+        # product.
         unit_loss = inexact * rows + ROUNDING * float(self.norm.read(matrix))
         loss_of_fresh = unit_loss * float(self.norm(inverses).max())
-        # The theorem on products: |P - Q| of this element times S at its start, and the same of
-        # earlier elements, followed up to now.
+        # The theorem on products: |P - Q| of this element times S at its start, with
+        # |P - Q| <= unit_loss |X_0| + |M X_0| slack_0, X_0 near M(0)^-1; and the sum over earlier
+        # elements m of |Q_(m+1..now)| eps_m S_m.
         loss_of_carried = (
             unit_loss * float(self.norm(element.origin.inverse))
             + float(self.norm.read(since_begin)) * element.origin.slack
@@ -694,9 +700,12 @@ class Growth:
         inverses = np.array([cell.inverse for cell in element.cells])
         whole = handover @ element.origin.inverse
         fresh = handover @ inverses
-        # Bound of the error of the product H X of doubles, for an X of norm 1.
+        # |fl(H X) - H X| <= unit_loss |X|, with the error of the doubles of H and that of the
+        # product.
         unit_loss = inexact * len(handover) + ROUNDING * float(self.norm(handover))
-        # eps_m >= |P - Q|: the doubles of the handover, and those of M(0)^-1.
+        # eps_m = unit_loss |X_0| + |H X_0| (slack_0 + 4 ROUNDING) >= |P - Q|, X_0 near M(0)^-1: the
+        # errors of the doubles of H and of X_0. `weight` is eps_m S, plus the error of H X of
+        # the cells.
         product_loss = unit_loss * float(self.norm(element.origin.inverse)) + float(
             self.norm(whole)
         ) * (element.origin.slack + 4 * ROUNDING)
@@ -707,7 +716,8 @@ class Growth:
         slack = np.concatenate([front.slack, self.slack(element, element.cells)])
         weights = np.concatenate([front.weight, [weight]])
         by_cell = self.norm(answers) + self.norm(carried) * slack
-        # S at the end: the largest growth by a cell, and all that rounding lost on the way.
+        # S at the end: the largest |H X F| + slack |H X| of a cell, plus the sum over elements m of
+        # |Q_(m+1..end)| times the weight of m.
         largest = float(by_cell.max()) + float((self.norm(after) * weights).sum())
         return Front(
             carried=carried,
@@ -721,9 +731,9 @@ class Growth:
         )
 
     def slack(self, element: Element, cells: Sequence[Cell]) -> Array:
-        """The slack (cells,) of cells, times the norm of what errors undergo at once, if anything.
+        """The slack (cells,) of cells, times |F| where the stretch has an instant map F.
 
-        M (1 + Delta)^-1 F differs from M F by at most |M| slack |F|, F being `Stretch.instant_map`.
+        M X (1 + Delta)^-1 F differs from M X F by at most |M X| slack |F|.
         """
         slacks = np.array([cell.slack for cell in cells])
         if element.stretch.instant_map is None:
@@ -731,7 +741,7 @@ class Growth:
         return slacks * float(self.norm(doubles(element.stretch.instant_map)[0])) * UPWARDS
 
     def after_instant_map(self, element: Element, carried: Array) -> Array:
-        """Matrices (cells, q, n) of carried errors, times what errors undergo as they are made."""
+        """Matrices (cells, q, n) of carried errors, times the instant map F if there is one."""
         if element.stretch.instant_map is None:
             return self.chosen(carried)
         return self.chosen(carried @ doubles(element.stretch.instant_map)[0])
@@ -749,14 +759,17 @@ class Growth:
 
 @dataclass(frozen=True)
 class PeriodicGrowth:
-    """S along a motion of one period P on whose tori errors drift apart in proportion to time: D(P)
-    = 1 + N with N N = 0.
+    """S along a motion of period P whose errors grow in proportion to time: D(P) = 1 + N with N N =
+    0.
 
-    So it is for one degree of freedom and for Kepler's ellipses, where the period depends on the
-    energy alone: N = -P'(E) f grad E, and grad E . f = 0. With t = tau + k P and an error made at
-    sigma in an earlier period D(t) D(s)^-1 = D(tau) (1 + n N) A, A being the growth from sigma to
-    the end of its period and 0 <= n < k. A norm is convex in n: it is largest for n = 0 or n = k -
-    1.
+    Motions of one degree of freedom and Kepler's ellipses are such: their period depends on the
+    energy E alone, N = -P'(E) f grad E^T, and grad E . f = 0. With t = tau + k P and an error made
+    at s in an earlier period,
+
+        D(t) D(s)^-1 = D(tau) (1 + n N) A,    0 <= n <= k - 1,
+
+    A being the growth from s to the end of its period. The norm is convex in n, so it is largest
+    for n = 0 or n = k - 1.
 
     `first` gives the growth within one period.
     """
@@ -783,7 +796,7 @@ class PeriodicGrowth:
             return self.first.at(t)
         since = time - turns * self.period
         if not since >= 0:
-            # Balls cannot tell whether the period is over: all that is within them is meant.
+            # It is not decided whether the period is over: `since` holds all times of the ball.
             since = arb(0).union(arb(since.abs_upper()))
         if self.first.readings is None:
             readings = None
@@ -796,8 +809,8 @@ class PeriodicGrowth:
         return bounded(max(this_period, earlier + rounding))
 
     def of_earlier(self, since: arb, readings: arb_mat | None, turns: int) -> tuple[float, float]:
-        """The growth of errors made in earlier periods, by products of doubles, and a bound of what
-        rounding may have lost of it.
+        """The growth of errors made in earlier periods, by products of doubles, and a bound of its
+        rounding error.
 
         `since` is tau, the time since the last period ended, at which `readings` are made; `turns`
         is the number k of whole periods.
@@ -819,8 +832,9 @@ class PeriodicGrowth:
             later = now.whole @ (one + n * drift)
             sizes = norm.read(later @ period.answers)
             sizes = sizes + norm.read(later @ period.carried) * period.slack
-            # What D(tau) (1 + n N) may be off, times S; and what the growth up to the end of the
-            # period may be off.
+            # The error of D(tau) (1 + n N), at most
+            #   rounding_tau (1 + n |N|) + |D(tau)| n rounding_P + ROUNDING |D(tau)| (1 + n |N|),
+            # times S at the end of the first period; and |D(tau) (1 + n N)| times the error of A.
             drift_norm = 1 + n * float(norm(drift))
             now_norm = float(norm.read(now.whole))
             inexact = now.rounding * drift_norm + now_norm * n * period.rounding
@@ -849,12 +863,14 @@ class PeriodicGrowth:
 
 
 class SteadyGrowth:
-    """S of a motion whose errors obey a linear equation with constant coefficients: they grow by
-    the time elapsed alone.
+    """S of a motion whose errors obey a linear equation with constant coefficients: their growth
+    depends on the elapsed time alone.
 
-    `propagator` gives exp(J tau). S(t) is its largest norm up to t. Once it has a norm of at most 1
-    at some `repeat` > 0 nothing later exceeds what was there before it: |exp(J (repeat + tau))| <=
-    |exp(J tau)|. `step` [s] is the width that the first cell of elapsed times is tried with.
+        S(t) = max over 0 <= tau <= t of |exp(J tau)|
+
+    `propagator` gives exp(J tau). If its norm is at most 1 at some time `repeat` > 0, then
+    |exp(J (repeat + tau))| <= |exp(J tau)|, and the maximum lies before `repeat`. `step` [s] is the
+    width that the first cell of elapsed times is tried with.
     """
 
     def __init__(
@@ -883,8 +899,8 @@ class SteadyGrowth:
         return bounded(max(whole, rest))
 
     def advance(self) -> None:
-        """The next cell of times elapsed, on which the bound of the norm is at most an eighth above
-        the norm in its middle.
+        """Appends the next cell of elapsed times, on which the bound of the norm is at most an
+        eighth above the larger of 1 and the norm in its middle.
         """
         low = self.highs[-1]
         for _ in range(HALVINGS):
@@ -894,7 +910,7 @@ class SteadyGrowth:
             if bound <= (1 + WIDEST) * max(1.0, middle):
                 self.highs.append(high)
                 self.norms.append(bound)
-                # Sharp by a third of what is allowed: the next cell may be twice as wide.
+                # A third of what is allowed: the next cell may be twice as wide.
                 if bound <= (1 + WIDEST / 3) * max(1.0, middle):
                     self.step *= 2
                 return
@@ -963,8 +979,8 @@ def narrow(rate: arb) -> Fraction:
 
 
 def most(values: Iterable[arb]) -> float:
-    """The largest that any of the balls may be; infinite where one is not finite: Python's max
-    passes nan over.
+    """The largest upper end of the balls, at least 0; infinite where a ball is not finite, which
+    Python's max would ignore.
     """
     largest = 0.0
     for value in values:
@@ -977,8 +993,8 @@ def most(values: Iterable[arb]) -> float:
 def doubles(matrix: arb_mat) -> tuple[Array, float]:
     """The midpoints of a matrix of balls as doubles, and a bound of its largest error in norm.
 
-    The bound is the number of columns times the most that an entry may be off: its radius, and
-    2^-52 of its midpoint, which is cut off to a double. UndecidedError if an entry is not finite.
+    The bound is the number of columns times the largest error of an entry: its radius, and 2^-52 of
+    its midpoint, which is truncated to a double. UndecidedError if an entry is not finite.
     """
     table = matrix.table()
     middles = np.array([[float(entry.mid()) for entry in row] for row in table])
@@ -1036,8 +1052,8 @@ def split(matrix: arb_mat, count: int) -> tuple[Array, Array]:
 
 
 def between_scales(rows: Sequence[Sequence[arb]], sizes: Sequence[arb]) -> arb_mat:
-    """The matrix of these rows between errors of coordinates, between errors in units of their
-    sizes: entry (i, j) times size j over size i.
+    """A matrix that maps errors of coordinates, given by its rows, in units of the sizes of these
+    coordinates: entry (i, j) times size j over size i.
     """
     scaled = []
     for row, size in zip(rows, sizes, strict=True):
@@ -1046,7 +1062,7 @@ def between_scales(rows: Sequence[Sequence[arb]], sizes: Sequence[arb]) -> arb_m
 
 
 def inverted(matrix: arb_mat) -> arb_mat:
-    """The inverse of a matrix in balls; UnsharpError where they hold one that has none."""
+    """The inverse of a matrix of balls; UnsharpError where they may hold a singular matrix."""
     try:
         return matrix.inv()
     except ZeroDivisionError:
@@ -1064,7 +1080,7 @@ def exactly(matrix: Array) -> arb_mat:
 
 
 def bounded(value: float) -> float:
-    """An S rounded up: at least 1, and BOUNDLESS where it is larger than doubles can tell."""
+    """An S rounded up: at least 1, and BOUNDLESS where it is larger than that or not a number."""
     if not value < BOUNDLESS:
         return BOUNDLESS
     if value > 1.0:

@@ -58,7 +58,7 @@ class PowerContact:
 
     @cached_property
     def depth(self) -> arb:
-        """The largest overlap d_m = ((n+1) m v^2/(2k))^a [m]."""
+        """The largest overlap d_m = ((n+1) m v^2/(2k))^a [m], a = 1/(n+1)."""
         ease = arb_of((self.exponent + 1) * self.mass / (2 * self.stiffness))
         return (ease * self.speed * self.speed) ** self.a
 
@@ -70,7 +70,7 @@ class PowerContact:
     @cached_property
     def half(self) -> arb:
         """The time [s] from touch to the turn."""
-        # a B(a, 1/2) = sqrt(pi) Gamma(1 + a)/Gamma(a + 1/2).
+        # (d_m/v) a B(a, 1/2), and a B(a, 1/2) = sqrt(pi) Gamma(1 + a)/Gamma(a + 1/2).
         gamma = (1 + self.a).gamma()
         half_gamma = (self.a + arb_of(Fraction(1, 2))).gamma()
         return self.unit * arb.pi().sqrt() * gamma / half_gamma
@@ -97,7 +97,7 @@ class PowerContact:
     def state(self, t: arb) -> tuple[arb, arb]:
         """The overlap [m] and its rate [m/s] at t [s] since touch, while the contact lasts.
 
-        UndecidedError where balls cannot tell whether it still does.
+        UndecidedError where balls do not decide whether it still lasts.
         """
         before_turn = self.half - t
         if not (before_turn >= 0 or before_turn <= 0):
@@ -122,11 +122,13 @@ class PowerContact:
         """
         if t == 0:
             return self.speed * t, sense * self.speed
+        # d = d_m y, d' = +-v sqrt(1 - y^(n+1)), with y from the time t v/d_m.
         y = root(self.since_touch, self.slowness, t / self.unit, arb(1))
         return self.depth * y, sense * self.speed * (1 - y**self.power).sqrt()
 
     def near_turn(self, left: arb) -> tuple[arb, arb]:
         """The state near the turn, by s of either sign; `left` [s] is the time to the turn."""
+        # d = d_m (1 - s^2)^a, d' = v s, with s from the time (half - t) v/d_m to the turn.
         s = root(self.before_turn, self.turning_slowness, left / self.unit, 2 * self.a)
         return self.depth * (1 - s * s) ** self.a, self.speed * s
 

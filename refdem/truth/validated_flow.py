@@ -6,13 +6,13 @@ of the flow's derivative over these pieces (refdem/truth/growth.py).
 
 Hypotheses, and where each is checked:
 
-* the field is analytic on a complex disc about each piece, and the solution stays in the box that
-  is claimed there: Picard's iteration maps that box into itself (validated_ivp/enclosure.py);
-* what the Taylor polynomial leaves out is at most Cauchy's bound on that disc, and the set is moved
-  by an enclosure of the derivative (validated_ivp/integration.py, moved.py);
+* the field is analytic on a complex disc of times about each piece, on which no solution from the
+  set leaves a box about the Taylor polynomial: `grown` (validated_ivp/enclosure.py);
+* the remainder of the Taylor polynomial is at most Cauchy's bound on that disc, and the set is
+  moved by an enclosure of the derivative (validated_ivp/integration.py, moved.py);
 * field and start are exact: constants of a traced field are rationals (traced_field.py), and each
   number of the start is one, or is made anew as a ball at every precision;
-* a motion that is said to be infinite is proved to be so, by `escape` (escape.py).
+* a motion that is reported to become infinite is proved to do so, by `escape` (escape.py).
 """
 
 from abc import ABC, abstractmethod
@@ -51,19 +51,20 @@ from refdem.truth.validated_ivp.integration import GUARD, Integration, Piece, St
 Quantities = Callable[[Sequence[Any]], Mapping[str, Any]]
 """Quantities by name of a state, by the operations of a field; the names of `state` among them."""
 Escape = Callable[[Sequence[arb]], arb | None]
-"""From balls of a state: a time [s] within which every motion from there is proved to be infinite;
-None where that is not proved.
+"""From balls of a state: a time [s] within which every motion from there is proved to become
+infinite; None where that is not proved.
 """
 LOSS = 24
-"""The bits that a quiet motion may lose; one that loses more is integrated anew with as many more.
+"""The bits that a motion may lose at the first precision; one that loses more is integrated again
+with as many more bits.
 """
 MOST_BITS = 4096
 """The most bits of an integration, after which a motion ends with the code `precision`: twice as
 many bits take about ten times the work.
 """
 GAIN = Fraction(1, 16)
-"""The part by which the end of a motion must move when bits are doubled, for more to be tried: a
-motion that loses bits by and by comes twice as far.
+"""The part by which the end of a motion must become later when bits are doubled, for more to be
+tried: a motion that loses bits at a constant rate is enclosed for twice the time.
 """
 AHEAD = 4
 """Steps of a scout for each piece of a forecast. A forecast makes an eighth of what is left, and a
@@ -83,7 +84,7 @@ def balls_of(values: Sequence[Number | int | Callable[[], arb]]) -> list[arb]:
 
 
 def never(y: Sequence[arb]) -> None:
-    """The escape of a motion that no proof says to be infinite: always None."""
+    """The escape of a motion that is not known to become infinite: always None."""
 
 
 class Reading(ABC):
@@ -261,8 +262,8 @@ class ValidatedFlow(Guarded, Truth):
         """The derivatives at t of every quantity by each of `count` parameters, by which the
         numbers of this truth carry their own derivatives (dual.py).
 
-        The parameters are coordinates of the state with derivative 0 (traced_field.py): the flow's
-        derivative by them comes with that by the start.
+        The parameters are coordinates of the state whose rate is 0 (traced_field.py): the
+        derivative of the flow by the start contains that by the parameters.
         """
         self.door(self)
         return unflattened(
@@ -277,8 +278,9 @@ class ValidatedFlow(Guarded, Truth):
     def evaluated_dual(self, t: arb, count: int) -> dict[str, arb]:
         """Every quantity at t with its derivatives by `count` parameters.
 
-        dy_i/dp_k is the sum of dy_i(t)/dy_j(0) dy_j(0)/dp_k over j, and of the derivative of the
-        flow by the parameter.
+            dy_i(t)/dp_k = dy_i(t)/dd_k + sum over j of dy_i(t)/dy_j(0) dy_j(0)/dp_k,
+
+        where d_k = 1 is the coordinate of the state that stands for the parameter p_k.
         """
         flow = self.directed(count)
         state = flow.at(t)
@@ -287,6 +289,7 @@ class ValidatedFlow(Guarded, Truth):
         size = len(begin)
         y = []
         for value, row in zip(state[:size], table, strict=False):
+            # dy_i(t)/dd_k, to which each coordinate j of the start adds its product.
             slopes = list(row[size:])
             for by_start, start in zip(row, begin, strict=False):
                 of_start = slopes_of(start) or (0,) * count
@@ -336,9 +339,9 @@ class ValidatedFlow(Guarded, Truth):
     def ended(self, t: arb, error: UndecidedError) -> UndecidedError:
         """The same error with the last certified state, and whether more bits may help.
 
-        It is `singular`, and final, where the motion from that state is proved to be infinite
-        before t. Where bits were doubled and the end of the integration hardly moved, it is final
-        too: more are not tried, and what stops the proof there is not known.
+        It is `singular`, and final, where the motion from that state is proved to become infinite
+        before t. It is final too where bits were doubled and the end of the integration hardly
+        changed: more bits are not tried, and the reason why the proof ends there is not known.
         """
         flow = self.integration()
         y = flow.reached()
@@ -368,8 +371,7 @@ class ValidatedFlow(Guarded, Truth):
     def displaced(self, axis: int, amount: Fraction) -> Self:
         """The motion whose start has the coordinate `moved[axis]` larger by exactly `amount`.
 
-        Differences of such motions are a witness of S; S itself comes from the variational
-        equation.
+        Differences of such motions confirm S; S itself is computed by the variational equation.
         """
         coordinate = self.moved[axis]
         before = self.begin[coordinate]
@@ -451,8 +453,8 @@ class ValidatedFlow(Guarded, Truth):
         return arb_mat([[row[j] * scale for j, scale in scales] for row in slopes])
 
     def forecast(self, t: Fraction, digits: int) -> float:
-        """CPU seconds that `at(t)` to so many digits is about to cost; what is followed for it is
-        kept.
+        """CPU seconds that `at(t)` to so many digits is expected to cost; the pieces that are made
+        for the forecast are kept.
         """
         asked = self.refined(digits)
         course = Course(asked.bits())
@@ -460,8 +462,8 @@ class ValidatedFlow(Guarded, Truth):
         return course.seconds_for(work)
 
     def foreseen(self, t: Fraction, course: Course) -> float:
-        """The number of pieces that are still to be made until the radius at t is what is asked
-        for, counted in pieces of the course's precision.
+        """The number of pieces that are still to be made until the radius at t meets the target,
+        counted in pieces of the course's precision.
         """
         # log2 of a number that may be below all doubles.
         target = log2(self.refiner.target().numerator) - log2(self.refiner.target().denominator)
@@ -491,12 +493,13 @@ class ValidatedFlow(Guarded, Truth):
             def state() -> tuple[Fraction, int, arb]:
                 return flow.end, len(flow.pieces), self.radius_of(flow)
 
-            # Its clock is not the time alone: whips to come are known before they are proved.
+            # The clock of the forecast counts the scout's steps, not seconds: so it knows of fast
+            # parts of the motion before the proof reaches them.
             scout = Scout(flow.field, flow.slopes, flow.centre, float(flow.end), self.moved)
             course.clock = scout.clock
 
             def work() -> float:
-                """What is left, as the scout sees it, who goes AHEAD of each piece."""
+                """The work that is left, by a scout that makes AHEAD steps for each piece."""
                 scout.go_on(AHEAD, time)
                 if len(scout.times) > 1:
                     course.swelling = scout.swelling
@@ -509,8 +512,8 @@ class ValidatedFlow(Guarded, Truth):
         """The largest radius of a quantity at the end of what is integrated, as `at` reads it from
         the last piece; that of the set where a quantity is not finite there.
 
-        Within a piece the set is bounded by the Gronwall inequality, so that a value there has a
-        larger radius than the set that goes on.
+        Within a piece the set is bounded by Gronwall's inequality, so that a value there has a
+        larger radius than the set at the end of the piece.
         """
         with precision(flow.bits + GUARD):
             if flow.pieces:

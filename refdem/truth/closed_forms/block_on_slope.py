@@ -20,8 +20,8 @@ from refdem.truth.line_growth import linear
 from refdem.truth.refiner import Refiner
 
 MOST_BITS = 16384
-"""Bits at which the comparison of friction and tangent gives up: thousands of equal digits are not
-met but by intent.
+"""The most bits of the comparison of friction and tangent: only parameters that are chosen for it
+agree to thousands of digits.
 """
 
 
@@ -47,7 +47,7 @@ class Slide(ClosedForm):
 
     @per_precision
     def growth(self) -> Grows:
-        """Errors of a motion at constant acceleration move uniformly."""
+        """S at constant acceleration: errors obey e_s' = e_v, e_v' = 0, as in uniform motion."""
         ratio = arb_of(self.scale["s"] / self.scale["v"])
         return SteadyGrowth(partial(linear, arb(0), 0, ratio), Norm([1, 1]), narrow(1 / ratio))
 
@@ -56,6 +56,7 @@ class Slide(ClosedForm):
         if self.angle is not None:
             sine, cosine = arb_of(self.angle).sin_cos()
         else:
+            # cos = 1/sqrt(1 + tan^2), sin = tan cos.
             cosine = 1 / arb_of(1 + self.slope**2).sqrt()
             sine = arb_of(self.slope) * cosine
         a = arb_of(self.gravity) * (sine - arb_of(self.friction) * cosine)
@@ -66,7 +67,8 @@ class Slide(ClosedForm):
 def slides(friction: Fraction, slope: Fraction, angle: Fraction | None) -> bool:
     """True if friction < tan(angle), where the tangent is `slope` or the angle [rad] is given.
 
-    By fractions; of an angle by balls, which decide since no rational but 0 has a rational tangent.
+    The comparison is exact for a slope. For an angle it is made in balls, which decide it since no
+    rational number but 0 has a rational tangent.
     """
     if angle is None:
         return friction < slope

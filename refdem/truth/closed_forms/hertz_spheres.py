@@ -51,9 +51,11 @@ class HertzSpheres(ClosedForm):
         return touching(self.mass, self.stiffness, HERTZ, *self.begin)
 
     def evaluate(self, t: arb) -> dict[str, arb]:
-        """Overlap and rate at t: free, in contact, and free at the speed of touch."""
+        """Overlap d and rate d' at t: free at first, in contact, and free after that."""
         if t < 0:
             raise NotCertifiedError("hertz-spheres: t < 0 is before the start")
+        # With the times t1 of touch and t2 = t1 + 2 half of parting and the speed v at touch:
+        # d = d_0 + d'_0 t for t < t1, the contact from t1 to t2, d = -v (t - t2) after that.
         contact, touch = self.contact()
         since_touch = t - touch
         if since_touch < 0:
@@ -67,7 +69,7 @@ class HertzSpheres(ClosedForm):
 
     @per_precision
     def growth(self) -> Grows:
-        """How errors grow: contacts of other speeds are the same one in other units.
+        """The growth S of errors: contacts of other speeds are the same motion in other units.
 
         The force is steepest at the largest overlap, |f'| <= (3/2)(k/m) sqrt(d_m).
         """
@@ -82,6 +84,7 @@ class HertzSpheres(ClosedForm):
             state = self.evaluate(t)
             overlap = state["overlap"]
             rate = state["v"]
+            # d'' = -(k/m) d^(3/2) in contact.
             if overlap > 0:
                 acceleration = -stiffness * overlap * overlap.sqrt()
             else:

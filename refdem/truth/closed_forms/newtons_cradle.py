@@ -34,8 +34,8 @@ WITNESS = (
     " found anew in balls (refdem/truth/witnesses/lines_of_impacts.py)"
 )
 MOST_IMPACTS = 120
-"""Moments of impact that are followed: balls that lose much meet without end in finite time
-(McNamara and Young 1992).
+"""The most moments of impact that are followed: balls that lose much energy may meet infinitely
+often in a finite time (McNamara and Young 1992).
 """
 MOST_BITS = 2**14
 """Bits of an exact time of impact: each impact adds those of the masses."""
@@ -50,7 +50,8 @@ class MeetInLine:
     reach: Fraction
 
     def time(self, states: Sequence[Motion]) -> Fraction | None:
-        """When they meet [s]; None if they do not come nearer."""
+        """The time [s] until two neighbours meet; None if they do not approach each other."""
+        # t = (x2 - x1 - reach)/(v1 - v2).
         first, second = states
         closing: Fraction = first.v[0] - second.v[0]
         if closing <= 0:
@@ -59,7 +60,7 @@ class MeetInLine:
         return gap / closing
 
     def normal(self, places: Sequence[Sequence[Any]]) -> list[Any]:
-        """The unit vector (3,) from centre to centre, which errors along the line do not turn."""
+        """The unit vector (3,) from centre to centre: errors along the line do not change it."""
         zero = places[0][0] * 0
         return [zero + 1, zero, zero]
 
@@ -137,7 +138,7 @@ SHAPING = ("balls", "masses", "radii", "gaps", "velocities", "restitution")
 
 @dataclass(frozen=True)
 class Course:
-    """What a case must know of the impacts before it is run: their times [s], in order, the largest
+    """The impacts as a case needs them before it is run: their times [s], in order, the largest
     speed of a ball [m/s], and the shortest time [s] between two impacts of one ball (None: no ball
     has two).
     """

@@ -1,5 +1,5 @@
 """x'' + 2 delta x' + w0^2 x + eps x^2 = f1 cos(w1 t) + f2 cos(w2 t) by validated integration; each
-drive that acts has two coordinates.
+drive with f != 0 adds the coordinates cos(w t) and sin(w t).
 """
 
 from collections.abc import Mapping, Sequence
@@ -22,7 +22,7 @@ WITNESS = (
 
 
 def infinite_to_one_side(repulsion: Repulsion, side: int, y: Sequence[arb]) -> arb | None:
-    """The quadratic part of the spring repels on one side: that of -eps."""
+    """A bound of the time until x is infinite where -eps x^2 repels: `side` is the sign of -eps."""
     x, v = y[:2]
     return repulsion.infinite_within(side * x, side * v)
 
@@ -40,6 +40,8 @@ def truth(p: Parameters, scale: Mapping[str, float]) -> Truth:
     def field(y: Sequence[Any]) -> list[Any]:
         """The rates of (x, v) and of (cos w t, sin w t) for each drive."""
         x, v, *phases = y
+        # x'' = -2 delta v - (w0^2 + eps x) x + sum of f cos(w t); (cos w t)' = -w sin w t and
+        # (sin w t)' = w cos w t.
         acceleration = -2 * values["delta"] * v - (values["w0"] ** 2 + values["eps"] * x) * x
         phase_rates = []
         for number, (force, w) in enumerate(drives):

@@ -84,8 +84,8 @@ class SpinningSpheres(Collision):
         return range(6)
 
     def bodies(self) -> arb_mat:
-        """The coordinates DISPLACED and what only the mode knows, by r, v, the spins, the rest, and
-        the centre of mass.
+        """The Jacobian of the coordinates DISPLACED, and of further ones of the mode, by r, v, the
+        spins, those further coordinates, and the centre of mass.
         """
         shares = [arb_of(mass / sum(self.spheres.masses)) for mass in self.spheres.masses]
         return moved_by_shares(shares, self.drifting(), self.phases.size - 1)

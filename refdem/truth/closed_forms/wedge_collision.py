@@ -58,9 +58,12 @@ class WedgeCollision(ClosedForm):
         return arb_of(self.k1 / self.mass).sqrt()
 
     def evaluate(self, t: arb) -> dict[str, arb]:
-        """Overlap and rate at t: free, in, out as d_m cos(w t) from the turn on, and free."""
+        """Overlap d and rate d' at t: free, in contact on the way in, on the way out, and free."""
         if t < 0:
             raise NotCertifiedError("wedge-collision: t < 0 is before the start")
+        # With the times t1 of touch, t2 = t1 + half of the turn and t3 = t2 + pi/(2 w) of parting:
+        # d = d_0 + d'_0 t for t < t1, the power law from t1 to t2, d = d_m cos(w (t - t2)) from t2
+        # to t3, d = -d_m w (t - t3) after that.
         contact, touch = self.approach()
         since_touch = t - touch
         w = self.rate()
@@ -82,14 +85,14 @@ class WedgeCollision(ClosedForm):
 
     @per_precision
     def growth(self) -> Grows:
-        """How errors grow, along the stretches."""
+        """The growth S of errors, stretch by stretch."""
         return Growth(self.stretches(), Norm([1, 1]), step=narrow(self.rate()))
 
     def stretches(self) -> Iterator[Stretch]:
         """The stretches of the motion: in by scaling, out and away by linear laws.
 
-        At the turn, v = 0, the acceleration jumps from -k2 d_m^2/m to -k1 d_m/m: an error of v,
-        which shifts the time of the turn, is multiplied by their ratio, one of the place stays.
+        At the turn, v = 0, the acceleration jumps from a1 = -k2 d_m^2/m to a2 = -k1 d_m/m: an error
+        of v, which shifts the time of the turn, is multiplied by a2/a1, an error of d by 1.
         """
         contact, touch = self.approach()
         w = self.rate()
@@ -106,6 +109,7 @@ class WedgeCollision(ClosedForm):
             else:
                 overlap = contact.speed * since
                 speed = contact.speed
+            # d'' = -(k2/m) d^2 in contact.
             if since > 0:
                 acceleration = -stiffness * overlap * overlap
             else:
@@ -114,6 +118,7 @@ class WedgeCollision(ClosedForm):
 
         turn_time = touch + contact.half
         way_out = arb.pi() / (2 * w)
+        # The jump matrix diag(1, a2/a1), a2/a1 = k1/(k2 d_m) = w^2/((k2/m) d_m).
         jump = arb_mat([[arb(1), arb(0)], [arb(0), w * w / (stiffness * contact.depth)]])
         yield smooth(arb(0), turn_time, inward, jump=jump, quickness=lambda t: quick)
         yield smooth(turn_time, way_out, partial(linear, w * w, -1, ratio))
