@@ -17,8 +17,9 @@ static inline dd quarter_period(dd m1)
 {
     dd a = dd_of(1.0);
     dd b = dd_sqrt(m1);
-    /* Once a and b agree to 1e-17, their mean is off by (a - b)^2/16 a^2, less than double-double
-     * rounds. Convergence is quadratic: 40 steps are more than the smallest m1 needs. */
+    /* agm(1, sqrt(m1)) = (a + b)/2 - (a - b)^2/(16 a) + ...: once a and b agree to 1e-17, the
+     * second term is below the rounding of double-double. Convergence is quadratic: 40 steps are
+     * more than the smallest m1 needs. */
     for (int i = 0; i < 40 && fabs(a.hi - b.hi) > 1e-17 * a.hi; i++) {
         dd mean = dd_scale(dd_add(a, b), 0.5);
         b = dd_sqrt(dd_mul(a, b));

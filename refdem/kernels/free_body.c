@@ -19,8 +19,8 @@
  *
  *   Psi/2 = turn t -+ [arg theta4(pi (u + ia)/(2K), nome^2)],
  *
- * the mean rate `turn` by complete integrals of the first and third kind. A body with two moments
- * alike turns about L and about its axis at constant rates.
+ * the mean rate `turn` by complete integrals of the first and third kind. A body with two equal
+ * moments turns about L and about its axis at constant rates.
  */
 #include <assert.h>
 
@@ -49,7 +49,7 @@ static inline void tumbling_state_at(const free_body *restrict b, int count,
         hand = e;
     double order = b->order;
     double period = 2.0 * b->j.quarter.hi;
-    if (b->j.kind == SEPARATRIX) /* it never comes round: phases count in 1 */
+    if (b->j.kind == SEPARATRIX) /* no period: phases count in 1 */
         period = 1.0;
     double slope = -order * b->slope * period / DD_PI.hi;
     for (int k = 0; k < count; k++) {
@@ -64,6 +64,9 @@ static inline void tumbling_state_at(const free_body *restrict b, int count,
         double im = -order * fma(theta_im[k], b->cos0, -(theta_re[k] * b->sin0));
         double turn = sign * fma(cosine, re, -(sine * im));
         double twist = sign * fma(sine, re, cosine * im);
+        /* (turn + twist e) (a + n x e) with a = 1 + n.e: the scalar part is turn a, the vector
+         * part turn n x e + twist (n - (n.e) e) + twist a e; with e = +-e3, n x e is
+         * hand (n2, -n1, 0) by label */
         double n1 = b->direction[0] * p.cn[k];
         double n2 = b->direction[1] * p.sn[k];
         double a = fma(e, b->direction[2] * p.dn[k], 1.0);

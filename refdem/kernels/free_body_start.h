@@ -8,7 +8,7 @@
 #include "elliptic.h"
 #include "quaternion.h"
 
-/* Kinds: omega stays; two moments alike; three moments that differ. */
+/* Kinds: constant omega; two equal moments; three different moments. */
 enum { STEADY, SYMMETRIC, TUMBLING };
 enum { THETA_TERMS = 5 };
 
@@ -43,6 +43,7 @@ static void rounded(const dd *restrict from, int n, double *restrict to)
 /* omega stays: q(t) = q0 exp(omega_body t/2), a turn at the rate |omega| about omega_body. */
 static void prepare_steady(free_body *b)
 {
+    /* turn = |omega|/2, along = omega_body/|omega|. */
     dd speed = dd_sqrt(dd_dot(b->w, b->w));
     b->kind = STEADY;
     b->turn = dd_scale(speed, 0.5);
@@ -53,8 +54,8 @@ static void prepare_steady(free_body *b)
     }
 }
 
-/* J1 = J2: q(t) = q0 exp(l t / (2 J1)) exp(e3 (1 - J3/J1) w3 t / 2), l the angular momentum in body
- * axes at the start. */
+/* J1 = J2: q(t) = q0 exp(l t/(2 J1)) exp(e3 rate t/2), with rate = (1 - J3/J1) w3 and the angular
+ * momentum l in body axes at the start; turn = |l|/(2 J1), along = l/|l|. */
 static void prepare_symmetric(free_body *b, const double *restrict inertia)
 {
     dd l[3], momentum;
@@ -153,12 +154,14 @@ static inline void theta_direction(const free_body *restrict b, int count,
 static dd mean_turn(const free_body *b, dd l, dd j3, dd x, dd p, const dd *restrict n)
 {
     dd across = dd_mul(n[0], n[1]);
+    /* mean = <1/(1 + c dn)>; it is 1 on the separatrix, where dn tends to 0 */
     dd mean = dd_of(1.0);
     if (b->j.kind != SEPARATRIX) {
         mean = dd_div(complete_third(b->j.m1, p), dd_square(n[0]));
         mean = dd_sub(mean, dd_div(dd_mul(n[2], dd_scale(DD_PI, 0.5)), across));
         mean = dd_div(mean, b->j.quarter);
     }
+    /* (L/J3 + X/(L J3) <1/(1 + c dn)>)/2 */
     mean = dd_mul(mean, dd_div(x, dd_mul(l, j3)));
     return dd_scale(dd_add(dd_div(l, j3), mean), 0.5);
 }
@@ -181,20 +184,27 @@ static dd amplitudes(free_body *b, const moments *k, const dd *restrict w, dd *r
         square[i] = dd_square(w[i]);
         l[i] = dd_mul(w[i], k->j[i]);
     }
+    /* flat = J2 (J3 - J2)/(J1 (J3 - J1)), steep = J2 (J2 - J1)/(J3 (J3 - J1)) */
     dd flat = dd_div(dd_mul(k->j[1], k->d32), dd_mul(k->j[0], k->d31));
     dd steep = dd_div(dd_mul(k->j[1], k->d21), dd_mul(k->j[2], k->d31));
+    /* Y = L^2 - 2 E J1 = J2 (J2 - J1) w2^2 + J3 (J3 - J1) w3^2,
+     * Z = L^2 - 2 E J2 = J3 (J3 - J2) w3^2 - J1 (J2 - J1) w1^2,
+     * X = 2 E J3 - L^2 = J1 (J3 - J1) w1^2 + J2 (J3 - J2) w2^2. */
     dd y = dd_add(dd_mul(dd_mul(k->j[1], k->d21), square[1]),
                   dd_mul(dd_mul(k->j[2], k->d31), square[2]));
     dd z = dd_sub(dd_mul(dd_mul(k->j[2], k->d32), square[2]),
                   dd_mul(dd_mul(k->j[0], k->d21), square[0]));
     *x = dd_add(dd_mul(dd_mul(k->j[0], k->d31), square[0]),
                 dd_mul(dd_mul(k->j[1], k->d32), square[1]));
+    /* a1^2 = w1^2 + flat w2^2, a2^2 = w2^2 + w1^2/flat, a3^2 = w3^2 + steep w2^2; n = J a/L */
     a[0] = dd_sqrt(dd_add(square[0], dd_mul(flat, square[1])));
     a[1] = dd_sqrt(dd_add(square[1], dd_div(square[0], flat)));
     a[2] = dd_sqrt(dd_add(square[2], dd_mul(steep, square[1])));
     momentum = dd_sqrt(dd_dot(l, l));
     for (int i = 0; i < 3; i++)
         n[i] = dd_div(dd_mul(k->j[i], a[i]), momentum);
+    /* rate^2 = (J3 - J2) Y/(J1 J2 J3), m = (J2 - J1) X/((J3 - J2) Y), and m1 = 1 - m =
+     * (J3 - J1) Z/((J3 - J2) Y) without cancellation */
     dd denominator = dd_mul(k->d32, y);
     b->rate = dd_sqrt(dd_div(denominator, dd_mul(k->j[0], dd_mul(k->j[1], k->j[2]))));
     b->j = jacobi_prepare(dd_div(dd_mul(k->d21, *x), denominator),
@@ -202,14 +212,17 @@ static dd amplitudes(free_body *b, const moments *k, const dd *restrict w, dd *r
     return momentum;
 }
 
-/* Signs of the amplitudes, and u at the start from sn = w2/a2, cn = w1/a1, dn = w3/a3. */
+/* Signs of the amplitudes, and u at the start from cn = w1/A1, sn = w2/A2, dn = w3/A3, A = +-a.
+ * With rate > 0 and dn > 0: A3 has the sign of w3, A1 is positive (on the separatrix it has the
+ * sign of w1, as cn = sech u > 0), and A2 has the sign of +-(J3 - J1) A3 A1 by Euler's equation
+ * J2 w2' = +-(J3 - J1) w3 w1, + where the axes 1, 2, 3 are in cyclic order. */
 static void prepare_signs(free_body *b, dd *restrict w, const dd *restrict a, const dd *restrict n)
 {
     double parity = -1.0;
     if ((b->axis[1] + 3 - b->axis[0]) % 3 == 1) /* the axes are in cyclic order */
         parity = 1.0;
     double sign[3] = {1.0, 1.0, copysign(1.0, w[2].hi)};
-    if (b->j.kind == SEPARATRIX) /* sech does not change its sign */
+    if (b->j.kind == SEPARATRIX)
         sign[0] = copysign(1.0, w[0].hi);
     sign[1] = sign[0] * sign[2] * parity * b->order;
     for (int i = 0; i < 3; i++) {
@@ -223,9 +236,13 @@ static void prepare_signs(free_body *b, dd *restrict w, const dd *restrict a, co
     b->along[b->axis[2]] = sign[2];
 }
 
-/* The attitude `base` from which turn and tilt are counted: the given one with turn and tilt of the
- * start taken away; `frame` is the matrix of the product base q for q with its vector part by
- * label. */
+/* The attitude `base` of q(t) = base exp(e Psi/2) swing(n -> e): with Psi = 0 at the start, where
+ * the attitude is q0 and n is n0,
+ *
+ *   base = q0 swing(n0 -> e)^-1,   n0 = (N1 cn, N2 sn, N3 dn) by label, N = J A/L.
+ *
+ * `frame` is the matrix of the product base q, for a q whose vector part is by label. cos0 and sin0
+ * are the direction of the theta function at the start, from which Psi is counted. */
 static void prepare_frame(free_body *b)
 {
     jacobi_points p;
@@ -240,10 +257,12 @@ static void prepare_frame(free_body *b)
     direction[b->axis[1]] = b->direction[1] * p.sn[0];
     direction[b->axis[2]] = b->direction[2] * p.dn[0];
     quaternion_swing(direction, b->along, tilt);
+    /* the inverse of a unit quaternion is its conjugate */
     double back[4] = {tilt[0], -tilt[1], -tilt[2], -tilt[3]};
     memcpy(q, b->base, sizeof q);
     quaternion_product(q, back, b->base);
     quaternion_normalised(b->base);
+    /* column k of the matrix is base times unit quaternion k */
     for (int k = 0; k < 4; k++) {
         double unit[4] = {0};
         int component = 0; /* the scalar part, then the labels 1, 2, 3 */
@@ -256,9 +275,12 @@ static void prepare_frame(free_body *b)
     }
 }
 
-/* Three moments that differ: Jacobi functions for omega, theta series for the turn about L. The
- * poles +- ia: dn(ia) = 1/c, so that a = F(arcsin .. | ..) = R_F(J3 (J2 - J1)/(J2 (J3 - J1)), dn^2,
- * 1)/sqrt(p). */
+/* Three different moments: Jacobi functions for omega, theta series for the turn about L.
+ *
+ * The poles +-ia of Psi' have dn(ia | m) = 1/c, which is sn(a | m1) = 1/sqrt(p):
+ *
+ *   p = J2 (J3 - J1)/(J1 (J3 - J2)),   a = R_F(cn^2, dn^2, 1)/sqrt(p),
+ *   cn^2 = 1 - 1/p = J3 (J2 - J1)/(J2 (J3 - J1)),   dn^2 = 1 - m1/p   at (a | m1). */
 static void prepare_tumbling(free_body *b, const double *restrict inertia)
 {
     moments k;
@@ -274,6 +296,7 @@ static void prepare_tumbling(free_body *b, const double *restrict inertia)
     b->kind = TUMBLING;
     b->order = copysign(1.0, k.d31.hi);
     dd size = amplitudes(b, &k, w, a, n, &x);
+    /* p, above/p = cn^2 and dn^2 of the formula for a */
     dd below = dd_mul(k.j[0], k.d32);
     dd p = dd_div(dd_mul(k.j[1], k.d31), below);
     dd above = dd_div(dd_mul(k.j[2], k.d21), below);

@@ -1,5 +1,5 @@
 /* A gas of equal spheres under a linear contact law with friction, in a periodic box, between
- * planes or in the open.
+ * planes or without boundaries.
  *
  * Velocity Verlet (Swope et al. 1982), of the contact law in gas_contact.h:
  *

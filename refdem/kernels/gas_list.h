@@ -44,8 +44,8 @@ static void place_images(gas *g)
 }
 
 /* Moves whole boxes from the share's positions to their count, and finds its extent. In a motion
- * that diverges a body may be farther away than can be counted, or its position be no number: the
- * share says so, and the body is put at 0, where the search for neighbours can bear it. */
+ * that diverges the count of boxes may overflow, or a position be NaN: the share is then marked as
+ * failed, and the body is put at 0, so that the search for neighbours has a valid position. */
 static void wrap(gas *g, share *t)
 {
     double size = g->p->size;
@@ -370,8 +370,8 @@ static void find_contacts_again(gas *g, share *t)
     }
 }
 
-/* Makes the list anew: wrap, cells, sort, pairs, contacts. A share without room for its pairs says
- * that it has failed. */
+/* Makes the list anew: wrap, cells, sort, pairs, contacts. A share without room for its pairs is
+ * marked as failed. */
 static void rebuild(gas *g, share *t, int rank)
 {
     wrap(g, t);

@@ -10,10 +10,10 @@
 #include <sched.h>
 #include <stdatomic.h>
 
-#define PATIENCE 4096 /* looks at a barrier before the core is given to others: about 10 us */
+#define PATIENCE 4096 /* reads of a barrier before the thread yields its core: about 10 us */
 #define MOST_THREADS 64
 
-/* Members; those that have arrived at the barrier, barriers passed; 1 to begin, -1 to go home. */
+/* Members; those that have arrived at the barrier, barriers passed; 1 to begin, -1 to end. */
 typedef struct {
     int members;
     atomic_int arrived, round, go;

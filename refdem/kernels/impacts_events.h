@@ -8,9 +8,10 @@
  *     when the event was predicted), so that all neighbours are looked at anew;
  *   - collide: both are advanced to the time of their impact and change their velocities;
  *
- * and predict and schedule for those whose event is gone. A pair that is to meet is known to the
- * one of the two that looked last, since it looked when either's flight began: so that a sphere
- * need not be told what others found (Lubachevsky 1991, with cells of Alder and Wainwright 1959).
+ * and predict and schedule for those whose event is gone. The coming impact of a pair is the event
+ * of that one of the two spheres that was predicted last: a sphere is predicted anew when its own
+ * flight begins, with the flights that others have then, so that predictions need not be passed on
+ * to the partner (Lubachevsky 1991, with cells of Alder and Wainwright 1959).
  */
 #ifndef REFDEM_IMPACTS_EVENTS_H
 #define REFDEM_IMPACTS_EVENTS_H

@@ -11,7 +11,7 @@
 
 #include "impacts_state.h"
 
-/* The impulse on a body, and the turn that it gives: v += P/m, omega += (R/J) n x P. */
+/* The impulse on a body, and the change of its spin: v += side P/m, omega += (R/J) n x P. */
 static inline void push(const refdem_impacts *p, motion *m, int64_t i, double side,
                         const double *restrict impulse, const double *restrict turning)
 {
@@ -74,6 +74,8 @@ static inline void collide_rough(const refdem_impacts *p, motion *m, int64_t i, 
     for (int c = 0; c < 3; c++)
         slip[c] = relative[c] - closing * normal[c] + swept[c];
     const double speed = size(slip);
+    /* p = (1 + e) m_n c with 1/m_n = 1/m_i + 1/m_j; k = min((1 + b) m_t, mu p/|s|) with
+     * 1/m_t = 1/m_n + R_i^2/J_i + R_j^2/J_j; P = -p n - k s. */
     const double across_mass = 1.0 / (ease + turn_ease);
     const double along = (1.0 + p->restitution) * closing / ease;
     double factor = (1.0 + p->tangential_restitution) * across_mass;
@@ -85,7 +87,7 @@ static inline void collide_rough(const refdem_impacts *p, motion *m, int64_t i, 
     push(p, m, i, 1.0, impulse, turning);
     if (j >= 0)
         push(p, m, j, -1.0, impulse, turning);
-    /* What is left of m_n c^2/2 is the part e^2, and of m_t s^2/2 the part (1 - k/m_t)^2. */
+    /* Work lost: (1 - e^2) m_n c^2/2 + (1 - (1 - k/m_t)^2) m_t s^2/2. */
     const double left = 1.0 - factor / across_mass;
     const double lost_along = (1.0 - p->restitution * p->restitution) * closing * closing / ease;
     const double lost_across = (1.0 - left * left) * speed * speed * across_mass;
@@ -139,7 +141,8 @@ static inline void advance_to_impact(const refdem_impacts *p, motion *m, int64_t
         turn(m, i, now);
 }
 
-/* Counts the impacts of body i one after another on a way that no place can tell; returns them. */
+/* The number of successive impacts of body i between which it has moved by less than the rounding
+ * of its position, this impact included. */
 static inline int64_t creeping(motion *m, int64_t i, double way)
 {
     const flight *f = m->flight + i;

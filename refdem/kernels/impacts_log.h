@@ -1,10 +1,10 @@
-/* The impacts that are told, and when a run ends early (impacts.c). */
+/* The impacts that are reported, and when a run ends early (impacts.c). */
 #ifndef REFDEM_IMPACTS_LOG_H
 #define REFDEM_IMPACTS_LOG_H
 
 #include <stdint.h>
 
-/* Why a run goes no further: more impacts than the caller wants, or spheres that come to rest. */
+/* Why a run ends early: more impacts than the caller wants, or spheres that come to rest. */
 enum { GOES_ON = 0, TOO_MANY = 1, RESTS = 2 };
 
 /* The impacts so far: `event` (most, 3) is the table that is filled. */

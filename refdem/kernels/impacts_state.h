@@ -20,8 +20,8 @@
 /* Partners of an impact: a sphere by its number, plane k as -1 - k. */
 enum { NOBODY = INT32_MIN };
 
-/* Roundings of a closing speed that is none: those of the velocities that an impact left, and of
- * their part along the normal. */
+/* Bound, relative to the speeds, of a closing speed that is 0 but for rounding: that of the
+ * velocities after an impact, and of their components along the normal. */
 static const double ROUNDINGS = 16.0 * 0x1p-53;
 
 /* The flight of a sphere: what looking for impacts reads, one line of the cache. */
@@ -35,9 +35,9 @@ typedef struct {
 } spin;
 
 /* The state of all bodies. In a periodic box places are kept in it, and the `boxes` (bodies, 3) by
- * which a body has gone on are counted. `creeping`
- * counts impacts of each that no place can tell apart. `next` and `partner` are each one's next
- * impact where every pair is looked at (impacts_pairs.h). */
+ * which a body has moved on are counted. `creeping` is the number of successive impacts of each
+ * between which it moves by less than the rounding of its position. `next` and `partner` are each
+ * one's next impact where every pair is looked at (impacts_pairs.h). */
 typedef struct {
     int64_t bodies;
     bool falls;

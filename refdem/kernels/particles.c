@@ -24,7 +24,7 @@ typedef struct {
     int64_t most, events;         /* room for events, and those kept */
 } course;
 
-static const double SLACK = 1e-15;     /* a guard that is off by no more is at zero */
+static const double SLACK = 1e-15;     /* a guard of at most this size is at zero */
 static const double SHORTEST = 1e-6;   /* part of a step: shorter pieces are not tried */
 static const double EDGE = 1.0 / 16.0; /* part of a step: where guards are seen to fall and rise */
 static const double NARROW = 1e-4;     /* part of a step: a dip as narrow as this is seen */

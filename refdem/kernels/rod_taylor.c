@@ -3,7 +3,7 @@
  *
  *   r' = v,   v' = g - lambda r,   lambda = (v.v + g.r)/l^2 the multiplier,   tension m l lambda.
  * The rod does no work, (v.v)' = 2 g.v, so that lambda' = 3 g.v/l^2: one product a coefficient, and
- * no division, which would carry what r.r is off by (Hairer, Lubich and Wanner, sec. IV.4). After
+ * no division by r.r, whose error would enter (Hairer, Lubich and Wanner, sec. IV.4). After
  * each step the state goes back to |r| = l, r.v = 0. Step: radius of convergence / e^2 (Jorba and
  * Zou, Exp. Math. 14 (2005) 99).
  *
