@@ -1,15 +1,16 @@
-"""Errors at the samples beside an impact, where a run may show the velocities of its other side.
+"""Errors at samples next to an impact, where a run may show the velocities before or after it.
 
-A run whose places are off by E sees an impact at t* earlier or later, by about E/|g'|, where g is
-the gap that closes. An engine that gathers contacts when a step begins and then advances sees it
-one step h late besides: the bodies overlap at the end of the step in which they meet, and their
-velocities change in the step that follows. So velocities are those of before the impact at samples
-up to t* + E/|g'| + h, and those of after it from t* - E/|g'| on. No step is so short that this
-error of a velocity falls; it is the time in which it is there that falls with h.
+A run with the error E of its positions has an impact of time t* earlier or later by about E/|g'|,
+where g is the gap that closes. An engine that collects contacts at the start of a step and then
+advances has it up to one step h later still: the bodies overlap at the end of the step in which
+they meet, and their velocities change in the next step. So a correct run may show the velocities
+before the impact at samples up to t* + E/|g'| + h, and those after it from t* - E/|g'| on. The size
+of this error of a velocity does not fall with h; the length of the interval in which it occurs
+does.
 
-The error of a place falls with h: at most |dv| h, where dv is the change of the velocity in the
-impact. The claim C (1 + t/tau) (h/tau)^p S covers it once t/tau is large, but not soon after the
-start: a body that bounces off a wall has |dv| = (1 + e) v, up to 2 v.
+The error of a position falls with h: it is at most |dv| h, where dv is the change of the velocity
+in the impact. The claimed bound C (1 + t/tau) (h/tau)^p S covers it where t/tau is large, but not
+soon after the start: a body that bounces off a wall has |dv| = (1 + e) v, up to 2 v.
 """
 
 from collections.abc import Iterator
@@ -65,8 +66,8 @@ def errors_of(
 
 
 def _hidden_between(subject: Subject, run: Trajectory, beside: "Beside") -> set[str]:
-    """The names of the velocities that no sample shows as they are between the impact and another
-    one.
+    """The names of the velocities that have a value between this impact and another one which no
+    sample shows.
     """
     if beside.met_again:
         return made_of_velocities(subject.instance, run, beside.met_again)
@@ -74,12 +75,12 @@ def _hidden_between(subject: Subject, run: Trajectory, beside: "Beside") -> set[
 
 
 def _error_before(subject: Subject, level: float, truth: SampledTruth, of_places: Array) -> Array:
-    """Bound (until,) on the error of the state before an impact that comes next before each sample:
-    the smaller one of what the method claims and of what the run shows.
+    """Bound (until,) on the error of the state before an impact that lies between each sample and
+    the one before it: the smaller of the claimed bound and of the observed one.
 
-    The run shows, with a factor of safety, the largest error of a place up to the sample before, to
-    which the impact itself adds nothing. Places that are off by more than they may be excuse
-    nothing, as those of a run that missed an impact: 0.
+    The observed bound is the largest error of a position up to the sample before, to which the
+    impact itself adds nothing, with a factor of safety. Where positions exceed the claimed bound,
+    as in a run that missed an impact, the bound is 0: such errors do not excuse a late impact.
     """
     before = np.concatenate([[0.0], np.maximum.accumulate(of_places)[:-1]])
     claimed = subject.bound(level)
@@ -97,20 +98,20 @@ def _meets(subject: Subject) -> bool:
 
 
 def may_see_late(subject: Subject) -> bool:
-    """True for fixed steps that claim first order and not to locate events, where rigid bodies
-    meet.
+    """True for scenes with rigid impacts and methods of fixed steps that claim first order and do
+    not claim to locate events.
 
-    A higher order across impacts, and located events, claim that impacts are seen in time.
+    A claim of a higher order across impacts, or of located events, excludes late impacts.
     """
     return _meets(subject) and not subject.method.locates_events and subject.order <= 1
 
 
 @dataclass(frozen=True, eq=False)
 class Beside:
-    """The samples beside an impact: True in `late` (T,) for those after it that a run may show as
-    before it, in `early` (T,) for those before it that a run may show as after it. `after` is the
-    number of the first sample after the impact; `met_again` are the bodies of the impact that have
-    another one between the sample before it and the sample after it.
+    """The samples beside an impact: True in `late` (T,) for those after it at which a run may show
+    the velocities before it, in `early` (T,) for those before it at which a run may show the
+    velocities after it. `after` is the number of the first sample after the impact; `met_again` are
+    the bodies of the impact that have another one between the samples before and after it.
     """
 
     late: Mask
@@ -119,8 +120,8 @@ class Beside:
     met_again: tuple[int, ...] = ()
 
     def other_side(self) -> Whole:
-        """The numbers (T,) of the samples that show what a run may: for those beside the impact the
-        sample on its other side, for others the sample itself.
+        """The number (T,) of the sample whose true velocities each sample may show instead of its
+        own: beside the impact that on its other side, elsewhere the sample itself.
         """
         own = np.arange(len(self.late))
         return np.where(self.late, self.after - 1, np.where(self.early, self.after, own))
@@ -140,8 +141,8 @@ class Beside:
 def beside_impacts(
     subject: Subject, level: float, truth: SampledTruth, error: Array
 ) -> Iterator[Beside]:
-    """The samples, if any, beside each certified impact, in runs at a level whose state is off by
-    `error` (T,), in units of the scales, at the first T samples.
+    """The samples, if any, beside each certified impact, in runs at a level whose state has the
+    error `error` (T,), in units of the scales, at the first T samples.
     """
     method = subject.method
     times = subject.instance.times[: len(error)] - method.delay(level)
@@ -153,7 +154,7 @@ def beside_impacts(
         seen_after = level
     impacts = crossings(subject, truth).get("contact", [])
     for impact in impacts:
-        # A step may end at the impact itself, to the rounding of a clock.
+        # A step may end at the impact itself, up to the rounding of its clock.
         rounding = impact.radius + method.round_off * roundings * abs(impact.time)
         moved = shift(error_at(impact, error, times), impact) + rounding
         since = times - impact.time
@@ -181,11 +182,11 @@ def _met_again(
 def left_by_late_impacts(
     subject: Subject, level: float, run: Trajectory, truth: SampledTruth
 ) -> dict[str, Array]:
-    """How far every quantity (until,) is moved by impacts that were seen one step h late, in units
-    of its scale; empty for methods that see them in time.
+    """The error (until,) of every quantity from impacts that act one step h late, in units of its
+    scale; empty for methods without late impacts.
 
-    A body whose velocity changes by dv in an impact is off by dv h after it, and one whose angular
-    velocity changes by dw is turned by dw h.
+    After an impact that changes velocity and angular velocity of a body by dv and dw, the error of
+    the position is dv h, and that of the attitude is a rotation by dw h.
     """
     if not may_see_late(subject):
         return {}
@@ -216,11 +217,11 @@ def left_by_late_impacts(
 def nearest_velocities(
     subject: Subject, level: float, run: Trajectory, truth: SampledTruth, error: Array
 ) -> list[Trajectory]:
-    """The run as it may be seen beside its impacts: for each of these, with the velocities that it
-    has before and with those that it has after the samples beside the impact.
+    """The runs that are equivalent to a run for each of its impacts: with the velocities before and
+    with those after the impact at all samples beside it.
 
-    `error` (T,) is by how much its state may be off. Velocities change by g t on the way from
-    one sample to another where bodies fall.
+    `error` (T,) is the error that its state may have. Velocities of falling bodies change by g t
+    from one sample to another.
     """
     seen = []
     gravity = falling(subject.instance.scene)

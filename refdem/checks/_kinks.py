@@ -1,8 +1,8 @@
-"""What a step across a kink of the force is off by.
+"""The error of a step across a kink of the force.
 
-A step that straddles a kink uses the force from before the kink for its remainder. Where in the
-step the kink lies is as good as random, so one run may be off by next to nothing by chance, and the
-same run at another step, or on its way back, is not.
+A step that straddles a kink uses the force before the kink for its remainder. The place of the kink
+within the step is practically random, so that one run may by chance have nearly no error, while the
+same run with another step, or backward in time, has one.
 """
 
 from collections.abc import Mapping
@@ -32,10 +32,14 @@ def sharpest_kink(instance: Instance) -> float:
 
 
 def straddled(subject: Subject, step: float, run: Mapping[str, Array], count: int) -> Array:
-    """Bound (count,) on what a step [s] that straddles a kink is off by, in units of the scales.
+    """Bound (count,) on the error of a step h [s] that straddles a kink, in units of the scales.
 
-    `run` holds what was observed at that step. Within a step of its kink a force that goes as |s|^n
-    is at most (h/tau)^n of what it comes to.
+    `run` holds the observed quantities at that step. Within a step of its kink, a force that varies
+    as |s|^n is at most (h/tau)^n of its later value, so the bound is
+
+        PREDICTION_FACTOR min(1, h/tau)^n h max|dq/dt|,
+
+    with the largest rate so far of any quantity q in its scale.
     """
     instance = subject.instance
     share = min(1.0, step / instance.scales.tau) ** sharpest_kink(instance)
@@ -47,10 +51,10 @@ def _kink_rate(instance: Instance, run: Mapping[str, Array], count: int) -> Arra
     """Fastest change of any quantity so far [1/s] (count,), in its scale, over the intervals beside
     each sample.
 
-    A step that straddles a kink uses the force from before the kink for its remainder, and is off
-    by that rate times the remainder, or less where the force does not jump. Halved steps end at the
-    same times, so every step longer than the remainder is off by the same: halvings do not show
-    this error.
+    A step that straddles a kink uses the force before the kink for its remainder. Its error is at
+    most that rate times the remainder, and less where the force does not jump. Halved steps end at
+    the same times, so that every step longer than the remainder has the same error: halvings do not
+    show it.
     """
     fastest = np.zeros(len(instance.times) - 1)
     for name, quantity in instance.quantities.items():

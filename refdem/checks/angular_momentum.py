@@ -32,7 +32,7 @@ class AngularMomentum(Check):
     synchronous = True
 
     def applies(self, subject: Subject) -> str | None:
-        """Scenes in which something can turn and no torque about the origin acts from outside."""
+        """Scenes in which something can turn and no external torque about the origin acts."""
         if {"dimension:1"} == subject.instance.scene.features & {"dimension:1", "rotation"}:
             return "all motion is along one line through the origin"
         if _law_changes_total(subject):
@@ -119,9 +119,8 @@ class AngularMomentum(Check):
     def _seen_through(
         self, subject: Subject, runs: Mapping[Variant, CompletedRun], name: str
     ) -> str:
-        """What physics says where the method claims less than it: by how much L changes at the
-        coarsest and the finest step, although nothing acts from outside; "" where that is
-        round-off.
+        """The remark for a method that does not claim to conserve L: by how much L changes at the
+        coarsest and the finest step, although no external torque acts; "" if that is round-off.
         """
         coarsest = Variant(subject.levels[0])
         if coarsest == subject.finest or not {coarsest, subject.finest} <= set(runs):
@@ -195,7 +194,7 @@ class AngularMomentum(Check):
 
 
 def told(finding: Finding, remark: str) -> Finding:
-    """The finding with a remark behind its sentence; as it is for an empty one."""
+    """The finding with a remark after its sentence; the same finding for an empty remark."""
     if not remark:
         return finding
     return structs.replace(finding, sentence=f"{finding.sentence} {remark}")
@@ -215,9 +214,9 @@ KINDS = ("r", "v", "omega")
 def _equal_roundings(subject: Subject, level: float) -> float:
     """Relative round-off of L that adds up in proportion to the number of steps.
 
-    A rotation that is repeated stretches alike at every step, and the places r of a body in flight,
-    before and behind a contact, are sums of equal terms h v, which are rounded alike: r x v moves
-    with them.
+    A rotation that is repeated has the same rounding error at every step. The positions r of a body
+    in flight, before and after a contact, are sums of equal terms h v, which have the same rounding
+    error too, and r x v has it with them.
     """
     turned = turning(subject.instance, subject.method, level)
     flown = flight(subject.instance, subject.method, level)

@@ -142,8 +142,8 @@ def not_mirrored(before: Array, after: Array, normal: Array) -> Array:
 
 
 def roundings_of_normal(table: Billiard) -> float:
-    """How many times a rounding of a direction the normal of a wall is off that is told from a
-    place on it: 1 by a straight wall, and by a half circle of radius r, 1 + (length/2)/r.
+    """The rounding error of the normal of a wall at a computed place on it, in roundings of a
+    direction: 1 for a straight wall, 1 + (length/2)/r for a half circle of radius r.
     """
     if isinstance(table, StadiumBilliard):
         return 1.0 + table.width / table.height

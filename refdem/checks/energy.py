@@ -34,11 +34,11 @@ from refdem.scene.elements.spring import Spring
 from refdem.scene.elements.uniform_gravity import UniformGravity
 
 TERMS = 2.0
-"""Kinetic and potential energy each err by the bound on the state."""
+"""Kinetic and potential energy each have an error up to the bound on the state."""
 
 MOST_RADIANS = 2.0
-"""Phase [rad] of the fastest motion between two samples, up to which the power can be integrated:
-positions and velocities at samples determine a motion up to 2 pi, less what interpolation needs.
+"""Largest phase [rad] of the fastest motion between two samples for which the power is integrated:
+positions and velocities at samples resolve phases below 2 pi, and interpolation needs some margin.
 """
 
 SPRINGS = (
@@ -51,18 +51,19 @@ reports.
 TWO_LEVERS = (
     "friction whose slip and torque have different levers exchanges energy other than by its slip"
 )
-"""What keeps a law with two levers from a balance: the power of its tangential force and torques is
-not force times slip. So a tangential spring does not return the work that stretched it, and
-friction may drive for a while.
+"""The reason why a law with two levers has no energy balance: the power of its tangential force and
+torques is not force times slip. So a tangential spring does not return the work that stretched it,
+and friction may increase the energy for a while.
 """
 
 
 @dataclass(frozen=True, eq=False)
 class Imbalance:
-    """What should be constant and is not.
+    """The departure of an energy balance from 0.
 
-    `change` (T,) and what integrating between samples may add to it, `uncertainty` (T,), are in
-    units of the energy at the start; `what` names it in a sentence. A rise is judged one-sidedly.
+    `change` (T,) and its error from integration between samples, `uncertainty` (T,), are in units
+    of the energy at the start; `what` names the balance in a sentence. `is_rise` is True if only a
+    rise counts.
     """
 
     what: str
@@ -143,8 +144,8 @@ class Energy(Check):
     ) -> Finding:
         """The finding on the imbalance at one level.
 
-        At the finest level the bound is also what the imbalance at the coarsest implies with the
-        claimed order.
+        At the finest level the bound is at most that which follows from the imbalance at the
+        coarsest level with the claimed order.
         """
         unresolved = subject.unresolved(variant.level)
         if unresolved and not subject.keeps("energy"):
@@ -159,10 +160,10 @@ class Energy(Check):
         of_rods = _rod_rounding(subject)
         allowed = TERMS * (np.maximum(claimed, rounding) + of_rods)
         changes = self._changes(subject, runs)
-        # A rise above an earlier value is often 0 by chance, and does not fall with the order.
+        # A rise above an earlier value is often exactly 0, and does not fall with the order.
         has_levels = variant == subject.finest and len(subject.levels) > 2
         if has_levels and not measured.is_rise and changes:
-            # Equal terms that are added up step by step, as in free flight, round alike.
+            # Equal terms, as in free flight, have the same rounding error at every step.
             summation = flight(subject.instance, subject.method, variant.level)
             floor = TERMS * COUNTING_FLOOR * (rounding + of_rods + summation)
             extrapolated = left_at_finest(subject, *changes) + floor
@@ -184,9 +185,8 @@ class Energy(Check):
         )
 
     def _changes(self, subject: Subject, runs: Mapping[Variant, CompletedRun]) -> list[Array]:
-        """What should be constant and is not (T,), with what integrating may hide of it, at every
-        level, coarse to fine; at the coarsest alone if not all of them ran; none where it is
-        unknown.
+        """The imbalance (T,) plus its error of integration, at every level, coarse to fine; at the
+        coarsest alone if not all of them ran; none where it is unknown.
         """
         found: list[Array] = []
         for variant in subject.plain:
@@ -211,7 +211,7 @@ class Energy(Check):
         scene = subject.instance.scene
         scale = energy_scale(subject.instance)
         energy = mechanical(scene, run.trajectory)
-        # A body in the centre of attraction has infinite energy: the difference is NaN and fails.
+        # A body at the centre of attraction has infinite energy: the difference is NaN and fails.
         with np.errstate(invalid="ignore"):
             change = np.abs(energy - energy[0]) / scale
         work = _dissipated_work(subject, run)
@@ -322,16 +322,17 @@ class Energy(Check):
 
 
 def _outgrown(subject: Subject, run: Trajectory) -> float:
-    """Factor by which the error of the energy outgrows its scale, in a fall without end or in a
-    field that lends a slow body more energy than it had; 1 elsewhere.
+    """Factor by which the error of the energy exceeds its scale, in an endless fall or in a field
+    in which a slow body gains more kinetic energy than its initial energy; 1 elsewhere.
 
     A symplectic method of order p keeps a modified energy E + h^p G(r, v) + ..., so that E changes
     by h^p times the change of G. For p = 1, G is half the power of the forces:
 
         G = -+ m v.a/2.
 
-    Where nothing but uniform gravity acts, G grows with the velocity, for ever. In any other field
-    G grows with the kinetic energy, which is bounded.
+    Where only uniform gravity acts, G grows with the velocity without bound: the factor is the
+    largest |v|/V. In any other field G grows with the kinetic energy, which is bounded: the factor
+    is its largest value over the initial energy.
     """
     scene = subject.instance.scene
     falls = all(isinstance(element, UniformGravity) for element in scene.elements)
@@ -343,17 +344,16 @@ def _outgrown(subject: Subject, run: Trajectory) -> float:
 
 
 def _outgrown_by_force(subject: Subject, run: Trajectory) -> Array | float:
-    """Factor, or factors (T,), by which velocities or accelerations outgrow their scales V and
-    V/tau in a motion that a drive or a spring that yields takes out of them, or by which the
-    kinetic energy outgrows its own in a field that lends a slow body more than it had; 1 elsewhere.
+    """Factor, or factors (T,), by which velocities or accelerations exceed their scales V and V/tau
+    under a drive or a spring that softens, or by which the kinetic energy exceeds its scale in a
+    field in which a slow body gains more than its initial energy; 1 elsewhere.
 
-    A state that is off by e in its scales changes the energy by
+    An error e of the state, in units of its scales, changes the energy by
 
-        |dE| <= |F| e L + m |v| e V,   E_s = m V^2,
+        |dE| <= |F| e L + m |v| e V,   E_s = m V^2,   L = V tau,
 
-    so that |dE|/E_s is up to e times (|a| tau/V + |v|/V). A fluid that turns makes a motion grow in
-    proportion to itself, and with it what a step is off: e grows by that factor too, which counts
-    twice.
+    so that |dE|/E_s <= e (|a| tau/V + |v|/V). In a rotating fluid the motion grows in proportion to
+    itself, and the error e of a step with it: the factor is then squared.
     """
     scene = subject.instance.scene
     if scene.all(PiecewiseField):
@@ -378,7 +378,7 @@ def _outgrown_by_force(subject: Subject, run: Trajectory) -> Array | float:
 
 
 def _of_samples(measured: Imbalance) -> str:
-    """What integrating between samples adds to the basis of a bound, as a clause."""
+    """The clause on integration between samples in the basis of a bound."""
     if np.any(measured.uncertainty):
         return f", plus {INTEGRATED}"
     return ""
@@ -479,13 +479,16 @@ def _summed_rounding(subject: Subject, level: float) -> float:
 
 
 def _position_rounding(subject: Subject) -> float:
-    """Round-off of positions as energy, relative to the initial energy E0: force sqrt(2 k E0) times
-    u L, over E0.
+    """Factor on the round-off u of positions in the relative error of the energy, max(1, |r|/L)
+    sqrt(E_s/(2 E0)).
 
-    With the energy scale E_s = m (L/tau)^2 = k L^2 this is u sqrt(E_s/(2 E0)). The factor on u is
-    returned, at least 1 times the distance from the origin: it is large where bodies meet slowly in
-    stiff contacts. Overlaps are differences of positions r, so that u |r| replaces u L where |r| >
-    L.
+    The largest force of a spring of stiffness k and energy E0 is F = sqrt(2 k E0), and the energy
+    scale is E_s = m (L/tau)^2 = k L^2, so that a rounding u L of the position gives
+
+        F u L/E0 = u sqrt(2 E_s/E0) = TERMS u sqrt(E_s/(2 E0)).
+
+    The factor is large where bodies meet slowly in stiff contacts. Overlaps are differences of
+    positions r, so that u |r| replaces u L where |r| > L.
     """
     distance = (
         float(np.linalg.norm(subject.instance.scene.bodies.position, axis=1).max())

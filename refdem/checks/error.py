@@ -245,18 +245,18 @@ def _error_from_halvings(
 
     Where kinks scatter C from step to step, an error is still part of the change to either side of
     it, but may be nearly the same at both steps: the division by 2^p - 1 is left out, the changes
-    of all levels count, and what a step that straddles a kink is off by is added. C h^p itself does
+    of all levels count, and the error of a step that straddles a kink is added. C h^p itself does
     not scatter, and the division stays, in two cases. A method that claims a higher order than
     fixed steps can have across these kinks cuts its steps there, and the part that is cut off has
-    an error of h^(p+1), however long it is. And a force that goes as |s|^n through its kink leaves
+    an error of h^(p+1), however long it is. And a force that varies as |s|^n at its kink leaves
     an error of h^(n+1) (see scene/singularity.py), which is of higher order than h^p where
     p < n + 1.
 
-    An error falls with a tolerance as well, but in stairs. Where no tolerance changes the run, as
-    where samples are closer than any step, the change says nothing: None.
+    An error falls with a tolerance as well, but not smoothly. Where the tolerance does not change
+    the run, as where samples are closer than any step, the error cannot be estimated: None.
 
-    Nor does it where a multistep method has made fewer than MEMORY steps at the coarsest of these
-    levels: it starts with another rule, which has another constant.
+    Neither can it where a multistep method has made fewer than MEMORY steps at the coarsest of
+    these levels: it starts with another rule, which has another error constant.
     """
     method = subject.method
     instance = subject.instance
@@ -295,8 +295,8 @@ def _error_from_halvings(
 def _implied_changes(
     subject: Subject, changes: list[dict[str, Array]], ratio: float
 ) -> dict[str, Array]:
-    """The change (count,) of every quantity at the last halving: the largest of the last one and of
-    what those before imply for it, so far.
+    """The change (count,) of every quantity at the last halving: the running maximum of that change
+    and of those that earlier halvings imply for it.
     """
     own = {}
     for name in changes[-1]:
@@ -310,12 +310,12 @@ def _implied_changes(
 
 
 def _ratio_of(subject: Subject, changes: list[Array], rounding: Array) -> float | None:
-    """Factor by which the error falls from one level to the next, that of the order claimed; None
-    if the changes (count,) say nothing.
+    """Factor by which the error falls from one level to the next: 2^p of the claimed order p; None
+    if the changes (count,) do not fall.
 
-    If the last two changes fall by less than half of it, their own ratio: steps may be small beside
-    the times of a motion and not yet beside a force that changes at once, as that of a spring whose
-    ends pass close to each other. The check `order` says whether a method keeps its claim.
+    If the ratio of the last two changes is less than half of 2^p, that ratio is returned: steps may
+    be short relative to the motion and not yet to a force that changes fast, as of a spring whose
+    ends pass close to each other. The check `order` judges whether a method has its claimed order.
     """
     if subject.method.control == "tolerance":
         if np.any(changes[0] > rounding):
@@ -337,7 +337,7 @@ def _safety(subject: Subject, ratio: float, count: int) -> float:
     """Factor on the largest of `count` changes that bounds the error at the finest level; `ratio`
     is that by which the error falls from one level to the next.
 
-    By chance, two changes are as rarely alike to 1/64 as three to 1/16.
+    Two changes are by chance as rarely equal to within 1/64 as three are to within 1/16.
     """
     safety = room_of(subject)
     if subject.method.control == "tolerance":
@@ -367,7 +367,7 @@ def _cuts_steps(subject: Subject) -> bool:
     exponents = [KINK]
     exponents += [law.exponent for law in scene.all(Contact)]
     exponents += [limit.exponent for _, limit in scene.singularities()]
-    # A force that goes as |s|^n allows fixed steps the order n + 1.
+    # Across a force that varies as |s|^n, fixed steps have at most the order n + 1.
     return subject.order > max(exponents) + 1.0
 
 
@@ -403,9 +403,9 @@ def _decisive_sample(error: Array, allowed: Array) -> int:
     """The sample of the largest error, among those where the error is NEARLY the largest share of
     its bound.
 
-    A bound that follows from the error of another step has the same share at many samples, and
-    roundings would choose between them: a baseline needs the same one after every change. An error
-    beyond its bound is told where it is the largest share.
+    A bound that follows from the error at another step has the same share at many samples, and
+    rounding would choose between them, while a baseline needs the same sample after every change.
+    If an error exceeds its bound, the sample of the largest share is taken.
     """
     share = error / allowed
     # NaN is beyond its bound: `not share <= 1`.

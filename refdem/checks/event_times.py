@@ -43,14 +43,14 @@ class EventTimes(Check):
 
     An error E of the state, in units of its scales, moves a zero of g by E/|g'|, and a little more
     where g'' bends g back: the time t is bounded by |g'| t - |g''| t^2/2 = E. An event with g'^2 <=
-    2 |g''| E grazes and need not happen at all. E is the smaller of what the claims allow and of
-    what the run is observed to be off by; with the latter, the error of locating a zero between two
-    steps is added.
+    2 |g''| E grazes and need not happen at all. E is the smaller of the claimed bound and of the
+    observed error of the run; with the latter, the error of locating a zero between two steps is
+    added.
 
-    A kind of event that a run does not report is judged only where the method claims to tell every
-    event of that kind (`Method.tells`): one that reports some kinds, or those of some contacts, may
-    know no others. Contacts and releases that the samples of such a run show are then counted,
-    which needs no truth.
+    A kind of event that a run does not report is judged only where the method claims to report
+    every event of that kind (`Method.tells`): a method may report some kinds, or the events of some
+    contacts, and no others. Contacts and releases that the samples of such a run show are then
+    counted, which needs no truth.
     """
 
     name = "event-times"
@@ -413,7 +413,7 @@ def ticks(subject: Subject, time: float) -> float:
     if subject.method.control == "tolerance":
         return rounding + subject.instance.problem.interval
     if may_see_late(subject):
-        # An engine may tell an impact when it acts on it, in the step after the one that sees it.
+        # An engine may report an impact when it acts, in the step after that of its detection.
         return rounding + 2 * level
     return rounding + level
 

@@ -1,4 +1,4 @@
-"""The rate at which a mass on a shaft that turns whirls wider, or settles.
+"""The growth or decay rate of the whirl of a mass on a rotating shaft.
 
 With z = x + i y from the spring's anchor, m z'' + c z' + (k - i K) z = 0 has two roots q1, q2 of
 m q^2 + c q + k - i K = 0, c the sum of all dampings, K the sum of c_j W_j of the fluids that turn.
@@ -6,10 +6,10 @@ Whatever the start is,
 
     a = z' - q2 z   is   a(0) exp(q1 t),
 
-for (d/dt - q1) (d/dt - q2) z = 0. So one state late in a run tells q1, ln (a(t)/a(0))/t: its real
-part is the rate of growth, positive above the border W = w0 (1 + c_e/c_i) and negative below, and
-its imaginary part is how fast the mass whirls. Both are judged: a mass that is stuck grows as
-little as one at the border.
+for (d/dt - q1) (d/dt - q2) z = 0. So one state late in a run gives q1 = ln(a(t)/a(0))/t. Its real
+part is the rate of growth, positive above the threshold W = w0 (1 + c_e/c_i) and negative below,
+and its imaginary part is the angular velocity of the whirl. Both are judged: a mass that does not
+move at all has the rate of growth 0, as one at the threshold.
 """
 
 from collections.abc import Mapping
@@ -90,8 +90,8 @@ class GrowthRate(Check):
             if variant in runs
         }
         since = (subject.instance.times - subject.instance.times[0])[1:count]
-        # An error of the state in its scale is this much of a(t): x and y, vx and vy may each be
-        # off by their bound.
+        # An error of one scale of the state is at most sqrt(2) (V + |q2| L) in a(t), as x and y, vx
+        # and vy may each have it; `size` is that over |a(0)| exp(Re q1 t).
         start = abs(_start_of(subject.instance.scene, second))
         size = np.sqrt(2.0) * _scale(subject, second) / (start * np.exp(first.real * since))
         lost = size * allowed[1:count]

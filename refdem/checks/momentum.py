@@ -1,5 +1,8 @@
-"""Momentum of an isolated scene is constant, since action equals reaction at every step; between
-impacts under gravity it changes by the weight and nothing else.
+"""Momentum of an isolated scene is constant, since action equals reaction at every step; under
+gravity it changes between impacts by the impulse of the weight alone.
+
+    sum m_i v_i(t) = sum m_i v_i(0)     isolated scene, or the two bodies of one impact
+    v_i(t') - v_i(t) = g (t' - t)       a body in free fall from t to t'
 """
 
 from collections.abc import Mapping
@@ -25,8 +28,9 @@ class Momentum(Check):
     """Total momentum is constant to round-off at the coarsest level, where a small step hides
     nothing.
 
-    Of impacts in sequence that of the bodies of each is constant through it, in units of what they
-    exchange, and the velocity of a body that falls changes by g t between two of them.
+    In scenes of successive impacts the momentum of the two bodies of each impact is constant
+    through it, relative to the impulse that they exchange, and the velocity of a falling body
+    changes by g t between two impacts.
     """
 
     name = "momentum"
@@ -44,7 +48,7 @@ class Momentum(Check):
         return "an external force acts, so momentum is not conserved"
 
     def needs(self, subject: Subject) -> tuple[Variant, ...]:
-        """The plain run at the coarsest level, that at the finest one for impacts in sequence."""
+        """The plain run at the coarsest level; at the finest one for successive impacts."""
         needed = []
         if subject.instance.scene.is_isolated():
             needed.append(Variant(subject.levels[0]))
@@ -55,8 +59,8 @@ class Momentum(Check):
         return tuple(dict.fromkeys(needed))
 
     def judge(self, subject: Subject, runs: Mapping[Variant, CompletedRun]) -> list[Finding]:
-        """The largest change of total momentum; for impacts in sequence that of each pair, and of
-        each flight.
+        """The largest change of total momentum; for successive impacts also that of each pair of
+        bodies and the departure of each flight from free fall.
         """
         findings = []
         if subject.instance.scene.is_isolated():
@@ -70,7 +74,7 @@ class Momentum(Check):
 
 
 def _meets_in_sequence(subject: Subject) -> bool:
-    """Truth has the list of the impacts of free spheres on which nothing else acts."""
+    """True if truth lists the impacts of free spheres on which nothing else acts."""
     truth = certified(subject)
     scene = subject.instance.scene
     return (
@@ -82,7 +86,7 @@ def _meets_in_sequence(subject: Subject) -> bool:
 
 
 def _falls_between_impacts(subject: Subject) -> bool:
-    """Spheres fall on planes and on each other, and truth, where there is some, has the list."""
+    """True if spheres fall on planes and on each other, and truth, if any, lists their impacts."""
     scene = subject.instance.scene
     if not is_sequence(scene) or not np.any(falling(scene)):
         return False
@@ -92,6 +96,7 @@ def _falls_between_impacts(subject: Subject) -> bool:
 
 def _of_total(subject: Subject, run: Trajectory) -> Finding:
     """The largest change of total momentum, in units of the initial sum of m |v|."""
+    # |sum m v(t) - sum m v(0)| / sum m |v(0)|.
     total = linear(subject.instance.scene, run)
     change = np.linalg.norm(total - total[0], axis=1)
     rounding = subject.round_off(subject.levels[0]) * sweeping(subject.instance, subject.method)
@@ -114,9 +119,9 @@ def _of_total(subject: Subject, run: Trajectory) -> Finding:
 def _in_slow_motion(subject: Subject) -> float:
     """Factor >= 1 by which round-off is larger in units of the initial sum of m |v|.
 
-    Velocities are rounded on their own scale, and the factor is 1. Those that are differences of
-    places have the roundings of places, which are counted in units of L/tau, however slowly the
-    bodies move.
+    Velocities are rounded relative to their own size, and the factor is 1. Velocities that are
+    differences of positions have the roundings of positions, in units of the speed scale V = L/tau,
+    however slowly the bodies move: the factor is (sum m) V/(sum m |v|).
     """
     if not subject.method.differenced_velocities:
         return 1.0
@@ -126,8 +131,10 @@ def _in_slow_motion(subject: Subject) -> float:
 
 
 def _of_pairs(subject: Subject, plain: Trajectory, run: Trajectory) -> list[Finding]:
-    """The largest change of the momentum of two that meet, in units of the impulse that the law
-    gives them; none if no impact comes alone between two samples.
+    """The largest change of the momentum of two bodies that meet, in units of the impulse (1 + e)
+    m_n c of the law; none if no impact is alone between two samples.
+
+    e is the restitution, m_n = 1/(1/m_1 + 1/m_2) and c the certified closing speed.
     """
     truth = certified(subject)
     assert truth is not None
@@ -142,6 +149,7 @@ def _of_pairs(subject: Subject, plain: Trajectory, run: Trajectory) -> list[Find
         numbers = list(window.impact.bodies)
         momenta = bodies.mass[:, None] * run.velocity[[window.first, window.last]][:, numbers]
         exchanged = (1.0 + law.restitution) * bodies.normal_mass * window.impact.closing
+        # m_1 v_1 + m_2 v_2 after the impact, less the same before it.
         change = momenta[1].sum(axis=0) - momenta[0].sum(axis=0)
         times.append(window.impact.time)
         values.append(float(np.linalg.norm(change)) / exchanged)
@@ -167,7 +175,7 @@ def _of_pairs(subject: Subject, plain: Trajectory, run: Trajectory) -> list[Find
 
 
 def _in_flights(subject: Subject, run: Trajectory) -> Finding:
-    """The largest |dv - g dt| between two samples of a body that meets nothing in between."""
+    """The largest |dv - g dt| between two samples of a body that has no impact between them."""
     truth = certified(subject)
     if truth is None:
         return undecided(Momentum.name, "flights", no_truth(subject))
@@ -194,7 +202,7 @@ def _in_flights(subject: Subject, run: Trajectory) -> Finding:
 
 
 def _flights(subject: Subject, truth: SampledTruth, run: Trajectory) -> Array:
-    """True (T - 1, N) where a body certainly meets nothing between two samples."""
+    """True (T - 1, N) where a body certainly has no impact between two samples."""
     impacts = listed(truth.scalars)
     late = _late_by(subject, truth, run)
     begin = run.t[:-1]
@@ -220,7 +228,7 @@ def _exchanged(subject: Subject, run: Trajectory) -> Array:
     """The largest change of any body's momentum since the start (T,), in units of the initial sum
     of m |v|; 0 if all of it is round-off.
 
-    It is the signal: the momentum that action and reaction exchange.
+    It is the signal: the momentum that the bodies exchange.
     """
     change = subject.instance.scene.bodies.mass[:, None] * (run.velocity - run.velocity[0])
     largest: Array = np.linalg.norm(change, axis=-1).max(axis=1) / momentum_scale(subject.instance)

@@ -63,7 +63,7 @@ a line fails 13 at six levels; 0.8 or more, 3. A method of first order is failed
 """
 
 OCTAVES = 14
-"""Octaves of chance, 1 in 16,000, beyond which events do not lie near samples all at once."""
+"""log2 of the odds, 1 in 16,000, beyond which all events do not lie near samples by chance."""
 
 WHOLE = 0.9
 """Deficit, nearly a whole order, at which a single pair of levels speaks against the claim.
@@ -89,11 +89,11 @@ STARTED = 8 * MEMORY
 tolerance.
 """
 NEAR = 0.25
-"""How far a mean order may be below the claimed one for the levels of the plan to decide, if the
-errors lie on a line.
+"""The largest deficit of a mean order for which the levels of the plan decide, if the errors lie on
+a line.
 """
 ON_A_LINE = 0.1
-"""Standard deviation of a mean order, from the residuals of the errors, up to which they do.
+"""The largest standard deviation of a mean order, from the residuals, of errors that lie on a line.
 
 Of errors that kinks scatter by an octave, four have residuals as small once in 20, and with an
 order that is lower by 1 a mean as near to the claim once in 20 of these.
@@ -130,9 +130,9 @@ def with_key(subject: Subject, finding: Finding) -> Finding:
 
 
 def _lowering_key(subject: Subject) -> str | None:
-    """The key of `order_with` for what of a smooth motion may lower a method's order by its
-    construction, the first that the scene has: joints, forces that depend on velocities, bodies
-    that turn. With kinks `_declaration_hint` names it.
+    """The key of `order_with` for the first feature of a smooth scene that lowers the order of some
+    methods by their construction: joints, forces that depend on velocities, bodies that turn. For
+    kinks `_declaration_hint` gives the key.
     """
     problem = subject.instance.problem
     if "constraint" in problem.features:
@@ -256,8 +256,8 @@ class Order(Check):
         resolved = [
             h for h, error, low in zip(counting, largest, floor, strict=True) if error > low
         ][-3:]
-        # An error b that is rounded by a part r of itself shifts its logarithm by r/ln 2 octaves,
-        # and the error before it shifts by less: the order is off by 2 r/ln 2 at most.
+        # A relative rounding error r of an error b changes log2 b by r/ln 2, and that of the error
+        # before it by less: the error of the order is at most 2 r/ln 2.
         rounded = max(
             _rounding(subject, h) / b
             for h, (_, b), low in zip(counting[1:], pairwise(largest), floor[1:], strict=True)
@@ -360,9 +360,10 @@ class Order(Check):
         """The finding that the deficit, claimed less observed order, vanishes in the limit of small
         steps.
 
-        - One pair of levels is no limit: it fails only by nearly a whole order (WHOLE), and if the
-          next pair, of which rounding leaves `next_order` at most, lacks more than half as much: a
-          next term makes a deficit that halves, a term of a lower order one that stays.
+        - One pair of levels gives no limit: it fails only if its deficit is nearly a whole order
+          (WHOLE) and that of the next pair, whose order is at most `next_order` within rounding, is
+          more than half as large: the deficit halves if it is due to the next term of the error,
+          and stays if it is due to a term of lower order.
         - A deficit beyond the tolerance is judged by `_cancelled` unless lower orders fit better.
         - A deficit within the tolerance fails if it falls more slowly than `expected` and terms
           of a lower order fit the errors better.
@@ -463,15 +464,16 @@ class Order(Check):
             )
         if len(steps) < 2:
             return undecided(self.name, "state", "only one level is above round-off")
-        # `deviation` is expected of errors that kinks scatter, the other is that of these errors.
+        # `deviation` is the one expected of errors that kinks scatter, `from_residuals` that of
+        # the observed errors.
         slope, deviation, from_residuals = mean_order(steps, largest)
         deficit = claimed - slope
         # The scatter that excuses a deficit: SURE deviations, or less if these errors lie close to
         # a line, by Student's quantile for their degrees of freedom.
         quantile = STUDENT[min(len(steps) - 2, len(STUDENT) - 1)]
         scatter = min(SURE * deviation, max(LINE, quantile * from_residuals))
-        # Errors that kinks make smaller at coarse steps may rise a little, and not for ever: at two
-        # levels the coarser error may be small by chance.
+        # Kinks may make errors smaller at coarse steps, so that errors rise a little, but not at
+        # all levels; of two levels the coarser one may have a small error by chance.
         may_rise = len(steps) == 2 or _best_tail(steps, largest) >= -RISE
         is_by_kinks = may_rise and _kinks_explain(subject, steps, largest)
         if deficit > 0.5 and (deficit <= scatter or is_by_kinks):
@@ -505,11 +507,11 @@ def _kinks_explain(subject: Subject, steps: list[float], largest: list[float]) -
     """True if kinks may explain errors that do not fall with the step: each is one that the claim
     allows at the finest step.
 
-    A kink at the part f of a step makes an error C h^p g(f) with |g| <= 1, and halving the step
-    takes f to 2 f, or to 2 f - 1. Near a sample f < 2^-n, and g goes as a power of it, f^m, for n
-    levels: the errors lie on a line of the order p - m. So impacts that are seen at the ends of
+    A kink at the fraction f of a step makes an error C h^p g(f) with |g| <= 1, and halving the step
+    changes f to 2 f, or to 2 f - 1. Near a sample f < 2^-n, and if g varies as f^m there, the
+    errors of n levels lie on a line of the order p - m. So impacts that are detected at the ends of
     steps (m = p = 1) are late by the same time, and a force |s|s that passes zero (p = 3, m = 2)
-    shows the order 1. A body at rest, as a box on a slope, meets no kink.
+    shows the order 1. A body at rest, as a box on a slope, has no kink.
 
     Of K events, each lies within 2^-n of a sample once in 2^n times, and all of them once in
     2^(K n). Of impacts in sequence the first may make most of the error. The force of a soft
@@ -543,8 +545,8 @@ def _count_of_events(subject: Subject, truth: SampledTruth) -> int:
 
 def _best_tail(steps: list[float], largest: list[float]) -> float:
     """The largest mean order over all levels, or over the finest three or more: a coarse step that
-    ends near a kink makes a small error, which tells nothing of the order. Of three levels it may
-    be the coarsest, and the finest two count.
+    ends near a kink makes a small error, from which no order follows. Of three levels the coarsest
+    may have such an error, and the finest two count.
     """
     fewest = min(3, len(steps) - 1)
     tails = range(len(steps) - fewest + 1)
@@ -552,10 +554,10 @@ def _best_tail(steps: list[float], largest: list[float]) -> float:
 
 
 def mean_order(steps: list[float], errors: list[float]) -> tuple[float, float, float]:
-    """Slope of log error over log step by least squares, with two standard deviations of it.
+    """Slope of log2 error over log2 step by least squares, with two standard deviations of it.
 
-    The first is what errors that scatter by SCATTER octaves give, the second follows from the
-    residuals. Errors on a line of another slope have no residuals that could excuse it. Two points
+    The first is that of errors that scatter by SCATTER octaves, the second follows from the
+    residuals: errors on a line of a wrong slope have no residuals that would excuse it. Two points
     have no residuals: infinity.
     """
     x = np.log2(steps) - np.mean(np.log2(steps))
@@ -592,10 +594,10 @@ def expected_lack(orders: Sequence[float], claimed: float) -> float:
     """Largest |deficit| expected at the finest of three or more pairs, from those at the two pairs
     before; infinite for fewer.
 
-    The next term of the error, b h^(p+1) beside a h^p, makes a deficit of about |b h/a|, which
-    halves from pair to pair. With one more term, deficits obey d3 = 3/4 d2 - 1/8 d1, so that |d3|
-    is at most the larger of |d2| and |d1|/2, also where d1 or d2 is nearly 0 because both terms
-    cancel. A term one order lower doubles the deficit instead.
+    An error a h^p + b h^(p+1) has a deficit of about |b h/a|, which halves from pair to pair. With
+    one more term, deficits obey d3 = 3/4 d2 - 1/8 d1, so that |d3| is at most the larger of |d2|
+    and |d1|/2, also where d1 or d2 is nearly 0 because both terms cancel. A term one order lower
+    doubles the deficit instead.
     """
     if len(orders) < 3:
         return float("inf")
@@ -757,8 +759,8 @@ def _counting_levels(subject: Subject, levels: tuple[float, ...]) -> tuple[list[
 def moving_time(truth: SampledTruth) -> float:
     """Time [s] after which nothing moves any more; infinite where no end is certified.
 
-    Steps that are longer than all of the motion are off by the same, however long they are: the
-    whole way on which friction stops a body.
+    Steps longer than the whole motion all have the same error: the distance over which friction
+    stops the body.
     """
     time, _ = truth.scalars.get("stop_time", (math.inf, 0.0))
     return time
