@@ -1,14 +1,15 @@
-"""What a motion that is integrated is about to cost: it is followed for a while, and goes on at the
-pace of the later half of that. Where the motion has a clock of its own that says how fast it will
-be (scout.py, events/scout.py), the pace is that by the clock. Where it goes through events without
-one its modes have paces of their own, and it goes on at that of whole cycles: from entry to entry
-into one mode.
+"""Forecast of the CPU time of a motion that is integrated.
 
-Following takes long itself where the motion is dear, so that whoever asks within `told_to` hears of
-every forecast on the way, of the rough one after the first piece before all others. The first
-pieces say little: a motion that starts with a jerk, or settles, has another pace afterwards. What
-was followed is kept, so that following an eighth of a dear motion costs nothing in the end. Work is
-counted in pieces; a second is what the pieces so far took.
+A part of the motion is integrated, and the rest is extrapolated by the number of pieces per unit of
+time in the later half of that part. If a scout has integrated the motion ahead without radii
+(scout.py, events/scout.py), time is replaced by the number of its steps. A motion through events
+that has no scout is extrapolated by whole cycles, from entry to entry into one mode, since each
+mode has its own number of pieces per unit of time.
+
+The forecast itself may take long, so that a listener (`told_to`) gets every forecast on the way,
+from a rough one after the first piece on. The first pieces are not representative where the motion
+begins with a fast transient. The pieces that are made are kept, so that a forecast adds nothing to
+the time of the proof. Work is counted in pieces, and a piece takes the mean time of those so far.
 """
 
 from bisect import bisect_right
@@ -23,56 +24,55 @@ from time import process_time
 from flint import arb
 
 SHARE = 8
-"""The part of a forecast that may be spent on it: the eighth."""
+"""A forecast integrates the part 1/SHARE of the motion."""
 SCOUTED_SHARE = 24
-"""That part where the pieces of all modes are known ahead of the proof."""
+"""The same where a scout knows the pieces of all modes ahead of the proof."""
 PIECES = 16
-"""That are made in any case."""
+"""The least number of pieces that are made for a forecast."""
 WITHOUT_CYCLE = 4 * PIECES
-"""Pieces that are made of a motion through events before its pace is believed without a cycle."""
+"""The least number of pieces of a motion through events that has not completed a cycle."""
 LINEAR_BITS = 128
-"""Bits b at which the part of b in the cost of a piece is as large as that which no bits change.
+"""B1 in the cost of a piece at b bits, 1 + b/B1 + (b/B2)^2, in units of the part that does not
+depend on b.
 
-Both parts were measured from 64 to 1536 bits of seven motions, each within a factor of 1.7 of its
-own: a power alone is 2 to 3 times too high from 96 to 384 bits, of which motions that lose many
-bits ask.
+Measured from 64 to 1536 bits for seven motions, each within a factor of 1.7 of its own cost. A
+single power of b is 2 to 3 times too high from 96 to 384 bits, which motions that lose many bits
+need.
 """
 QUADRATIC_BITS = 220
-"""Bits at which the part of b^2 is as large as that."""
+"""B2 in the same cost."""
 TOO_LARGE = -24.0
-"""log2 of the radius of a set that can be enclosed no further."""
+"""log2 of the largest radius of a set that can still be enclosed."""
 UNSURE = 4.0
-"""Bits by which the radius differs from piece to piece, where it is read."""
+"""Bits by which the radius that is read differs from piece to piece."""
 UNSURE_PART = 0.25
-"""The part of what a radius is foreseen to grow that is not known. A forecast that counts half of
-the work with more bits is within a factor of 2.5 of either answer; one that counts all of it or
-none would be off by that of both.
+"""The relative uncertainty of the forecast growth of a radius.
+
+If it is not known whether more bits are needed, half of the work with more bits is counted, which
+is within a factor of 2.5 of either case; all or none of it may be wrong by their whole ratio.
 """
 TRIES = 8
-"""Precisions that are looked at."""
+"""The most precisions that are considered."""
 
 HOPELESS = 86400.0
-"""Seconds, a day: nobody waits so long for a proof, so that a forecast of more need not be sharp.
-"""
+"""Seconds, a day: forecasts of longer times need not be sharp, since the proof will not be run."""
 FEW_PIECES = 4
-"""Pieces after which a forecast may be believed at all: the pace of fewer may be that of a start
-with a jerk.
-"""
+"""The least number of pieces of any forecast: fewer may lie in a fast transient at the start."""
 FAR_BEYOND = 1000
-"""Factor beyond HOPELESS from which on a forecast is believed after so few pieces."""
+"""Factor on HOPELESS beyond which a forecast is accepted after FEW_PIECES."""
 
 NextBits = Callable[[int, float | None], int | None]
-"""The bits after those that did not suffice, from how many are lacking (None: the motion was not
-followed to its end); None if none.
+"""The next precision [bit] after one that did not suffice, from that and the missing bits (None:
+the motion was not followed to its end); None if there is no next one.
 """
 
 Clock = Callable[[float], float]
-"""A time [s] as another one, which rises with it."""
+"""A monotonic function of the time [s], in which the number of pieces is about linear."""
 Swelling = Callable[[float], float]
 """log2 of the growth of an error from the start to a time by the clock."""
 
 Listener = Callable[[float], None]
-"""Is called with the CPU seconds that are expected to be left."""
+"""A function that is called with the expected CPU seconds that are left."""
 
 _LISTENER: ContextVar[Listener | None] = ContextVar("listener", default=None)
 
@@ -90,7 +90,7 @@ def told_to(listener: Listener) -> Iterator[None]:
 
 
 def heavier(bits: int, than: int) -> float:
-    """How many times as long a piece with so many bits takes as one with `than` bits."""
+    """The ratio of the times of a piece with so many bits and of one with `than` bits."""
 
     def cost(b: int) -> float:
         return 1 + b / LINEAR_BITS + (b / QUADRATIC_BITS) ** 2

@@ -480,8 +480,13 @@ class ImpactSequence(ClosedForm):
         yield smooth(arb_of(begin), None, flight, affine=True)
 
     def saltation(self, encounter: Encounter, states: Sequence[Motion], *, is_cut: bool) -> arb_mat:
-        """The derivative across one impact, in scales: Xi = DP (1 + f- tau) - f+ tau, with tau = d
-        t/d x.
+        """The saltation matrix of one impact, in scales.
+
+            Xi = DP (1 + f- tau) - f+ tau
+
+        DP is the derivative of the states after the impact by those before it, f- and f+ are the
+        rates of the state before and after it (`rates`), and tau = dt/dx is the derivative of the
+        time of impact by the state before it (`time_slopes_of`).
         """
         meeting = encounter.of(states)
         count = OF_BODY * len(meeting)
@@ -492,6 +497,7 @@ class ImpactSequence(ClosedForm):
         derivative = arb_mat([list(number.slopes) for number in parted])
         time_slopes = time_slopes_of(encounter, meeting)
         gravity = self.gravity()
+        # 1 + f- tau, then Xi.
         moved = unit_matrix(count) + outer(rates(meeting, gravity), time_slopes)
         after = rates(motions([number.value for number in parted]), gravity)
         raw = derivative * moved - outer(after, time_slopes)
@@ -510,9 +516,7 @@ class ImpactSequence(ClosedForm):
 
 
 class Largest:
-    """S of a motion that several flows tell, one for each choice of sides of its kinks: the largest
-    one.
-    """
+    """S of a motion with kinks: the largest S of the flows for all choices of sides of kinks."""
 
     def __init__(self, sides: Sequence[Grows]) -> None:
         self.sides = sides
@@ -525,8 +529,10 @@ class Largest:
 def work_lost(encounter: Encounter, states: Sequence[Motion], *, is_cut: bool) -> arb:
     """The energy [J] that one impact loses, of the states of all bodies in balls right before it.
 
-    Of the relative motion m_n c^2/2 + m_t s^2/2 what is left is e^2 of the first part and (1 -
-    k/m_t)^2 of the second.
+        W = (1 - e^2) m_n c^2/2 + (1 - (1 - k/m_t)^2) m_t s^2/2
+
+    with the restitution e, closing speed c, slip s, the impulse k s across the normal, and the
+    effective masses m_n along and m_t across the normal.
     """
     meeting = encounter.of(states)
     impact = encounter.impact.in_numbers(arb_of)
@@ -534,6 +540,7 @@ def work_lost(encounter: Encounter, states: Sequence[Motion], *, is_cut: bool) -
     closing, slip = impact.approach(normal, meeting)
     slip_squared = dot(slip, slip)
     k = impact.tangential_factor(closing, slip, is_cut=is_cut)
+    # normal_factor = (1 + e) m_n, stopping = (1 + b) m_t with the tangential restitution b.
     e = arb_of(encounter.impact.restitution)
     normal_mass = impact.normal_factor / (1 + e)
     tangential_mass = impact.stopping / arb_of(1 + encounter.impact.tangential_restitution)

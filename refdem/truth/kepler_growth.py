@@ -81,7 +81,7 @@ class CentralGrowth:
         time = arb_of(t)
         turns = int(ball_of(time / self.period).mid)
         since = time - turns * self.period
-        # Where balls cannot tell whether the period is over, some errors are made just after t.
+        # If it is not decided whether the period is over, some errors may be made just after t.
         spans = self.spans(max(upper(since), Fraction(0)), since)
         if turns:
             # Errors of earlier periods grow most over the fewest or the most periods between.

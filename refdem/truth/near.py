@@ -1,4 +1,4 @@
-"""Arrays of doubles that stand for numbers near them, each with a bound of how far it is off.
+"""Arrays of doubles in midpoint-radius form: each approximates a number with a bound of its error.
 
 Theorem (midpoint and radius): let |a - A| <= r and |b - B| <= s, entry by entry. A product of
 matrices of n inner rows, each of its n products and n sums rounded to doubles in any order, is
@@ -7,15 +7,14 @@ matrices of n inner rows, each of its n products and n sums rounded to doubles i
 
 and a sum |a + b - fl(A + B)| <= r + s + 2^-52 |fl(A + B)|. (Rump, Verification methods, 2010.)
 
-The bounds are sums of numbers that are not negative, so that doubles lose no more than UPWARDS of
-them; whoever reads a bound multiplies it by that.
+The bounds are sums of numbers that are not negative, so that their own rounding is covered by the
+factor UPWARDS (growth.py), by which every reader of a bound multiplies it.
 
 Hypotheses, and where each is checked:
 
-* the balls that come in are finite: `near` raises UndecidedError;
-* what is rounded below the normal doubles is counted: TINIEST;
-* doubles do not overflow: an infinity in a bound is larger than every S that is given (`bounded` in
-  growth.py says BOUNDLESS).
+* the balls from which an array is made are finite: `near` raises UndecidedError otherwise;
+* the rounding of numbers below the normal doubles is counted: TINIEST;
+* doubles do not overflow: with an infinite bound S is BOUNDLESS (`bounded`, growth.py).
 """
 
 from collections.abc import Sequence
@@ -30,16 +29,16 @@ from refdem.truth.balls import UndecidedError
 
 Array = NDArray[np.float64]
 UNIT = 2.0**-52
-"""A bound of what a double is off, as a part of itself: twice that of rounding to nearest, as a
-ball's midpoint is cut off.
+"""A bound of the relative error of a double: twice that of rounding to nearest, since the midpoint
+of a ball is truncated.
 """
 TINIEST = 2.0**-1022
-"""A bound of what a number below the normal doubles is off."""
+"""A bound of the rounding error of a number below the normal doubles."""
 
 
 @dataclass(frozen=True)
 class Near:
-    """Numbers at most `off` from `middle`, two arrays of one shape."""
+    """Numbers at a distance of at most `off` from `middle`, two arrays of one shape."""
 
     middle: Array
     off: Array
@@ -55,6 +54,8 @@ class Near:
 
     def __matmul__(self, other: "Near") -> "Near":
         """The matrix product, with the bound of the theorem: r (|B| + s) + |A| s and rounding."""
+        # r (|B| + s) + |A| s + (n + 1) 2^-52 |A| |B| + n 2^-1022, with A, B the midpoints and r, s
+        # the radii of both factors.
         count = self.middle.shape[-1]
         middle = self.middle @ other.middle
         inexact = self.off @ (other.size + other.off) + self.size @ other.off
@@ -68,6 +69,7 @@ class Near:
         return Near(middle, inexact + UNIT * np.abs(middle) + TINIEST)
 
     def __add__(self, other: "Near") -> "Near":
+        # r + s + 2^-52 |fl(A + B)|.
         middle = self.middle + other.middle
         return Near(middle, self.off + other.off + UNIT * np.abs(middle))
 

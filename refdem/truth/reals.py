@@ -34,7 +34,7 @@ class Real(Enclosed):
     """
 
     __array_ufunc__ = None
-    """numpy keeps out: an array of rounded numbers has no place beside an exact one."""
+    """None excludes numpy's element-wise operations, which would mix doubles with exact numbers."""
 
     def __init__(self, enclosed: Callable[[], arb]) -> None:
         self._enclosed = enclosed
@@ -48,7 +48,7 @@ class Real(Enclosed):
         return self._balls[bits]
 
     def sign(self) -> int:
-        """-1, 0 or 1, proved; raises UndecidedError where no precision tells."""
+        """The sign -1, 0 or 1, proved; raises UndecidedError where no precision decides it."""
         for bits in DECIDING:
             with precision(bits):
                 ball = self.ball()
@@ -64,7 +64,7 @@ class Real(Enclosed):
         """A rational within 2^-NEAR_BITS of the number, relative to its size; for scenes and step
         sizes, never for a proof.
 
-        If no precision tells the number from 0, it is the midpoint of the last ball.
+        If no precision separates the number from 0, it is the midpoint of the last ball.
         """
         for bits in DECIDING[1:]:
             with precision(bits):

@@ -1,10 +1,9 @@
-"""A motion followed ahead of its proof, without radii: where it will be fast and where slow.
+"""A motion integrated ahead of its proof, without radii, to forecast the number of pieces.
 
-A piece of a proof is about as long as the radius of convergence of the motion's Taylor series
-allows, or as the largest exponent of its disc where the series would allow more, and so is a step
-here. So the number of steps to a time is a clock in which a proof goes on at an even pace, also
-through whips that the proof has not reached. A neighbour that goes along tells how errors grow on
-the way. No proof depends on it.
+The length of a piece of a proof is limited by the radius of convergence of the motion's Taylor
+series and by the largest exponent of a disc, and so is that of a step of this module. So a proof
+makes about the same number of pieces for each step, also in fast parts of the motion that it has
+not reached. A second motion, displaced at the start, shows how errors grow. No proof depends on it.
 """
 
 from bisect import bisect_right
@@ -19,28 +18,28 @@ from refdem.truth.validated_ivp.recurrences import taylor
 from refdem.truth.weights import ABOVE_QUICKEST, MAX_DISC_EXPONENT, quickest
 
 BITS = 128
-"""The working precision, at which a neighbour at NEAR still differs by 64 bits."""
+"""The working precision, at which a displacement of 2^NEAR is known to 64 bits."""
 NEAR = -64
-"""log2 of the distance at which the neighbour begins each step."""
+"""log2 of the displacement with which the second motion begins each step."""
 ORDER = 20
-"""The order of the Taylor polynomials: 3^-20 of the speed is left out at the end of a step."""
+"""The order of the Taylor polynomials: their remainder is about 3^-20 of the speed."""
 RATIO = 1 / 3
-"""Of a step and the radius of convergence."""
+"""The ratio of a step to the radius of convergence."""
 FADING = 1 / 4
-"""Of the largest speed of a coordinate, from step to step."""
+"""The factor by which the largest speed of a coordinate so far is reduced from step to step."""
 SHORTEST = 2.0**-24
-"""Of the longest step: a shorter one says that the motion is singular."""
+"""The part of the longest step below which a step shows that the motion is singular."""
 
 
 class Scout:
     """The steps of y' = field(y) from the midpoints of `start` at the time `begin` [s]; `slopes` is
     the program of the field's Jacobian, row after row.
 
-    A neighbour, displaced at the start in the coordinates `moved`, makes the same steps. `times`
-    has the ends of the steps, `polynomials` is the series of the last one, and `swellings` log2 of
-    the growth of the displacement up to each. `ended` says that no step goes on from the last one:
-    the series is not finite there, or does not end (a motion at rest). `is_singular` says that
-    steps have shrunk to nothing before a singularity, beyond which a proof makes no pieces.
+    A second motion, displaced at the start in the coordinates `moved`, makes the same steps.
+    `times` has the ends of the steps, `polynomials` is the series of the last one, and `swellings`
+    log2 of the growth of the displacement up to each. `ended` is True if no step follows the last
+    one: the series is not finite there, or has an infinite radius (a motion at rest). `is_singular`
+    is True if steps became too short before a singularity, beyond which a proof makes no pieces.
     """
 
     def __init__(

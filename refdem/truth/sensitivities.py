@@ -108,8 +108,8 @@ class Beside:
 @dataclass(frozen=True)
 class Sensitivities:
     """Derivatives at one time: `of[quantity][number]` is a ball [unit of the quantity over that of
-    the number]. `missing` says of each number by which there is no derivative why not; `beside` has
-    those on either side of it.
+    the number]. `missing` has the reason for each number by which there is no derivative, `beside`
+    the derivatives just below and just above the value of that number.
     """
 
     t: Fraction

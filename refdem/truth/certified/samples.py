@@ -1,9 +1,9 @@
-"""Sampled truths that are dear to prove, kept for judging: doubles with radii at the default
+"""Stored sampled truths whose proof takes long, for judging: doubles with radii at the default
 samples of a campaign's instances.
 
-An entry holds as long as its key (case, parameters, times, scales) and the digest of the code
-behind it (sources.py) are the same. Its sha256 ends its line, and is of the line with the text of
-sha256 itself left empty; sha256sums.txt has every file of the folder.
+An entry is valid as long as its key (case, parameters, times, scales) and the digest of the code
+behind it (sources.py) are unchanged. Its line ends with a sha256, which is that of the line with an
+empty text of sha256; sha256sums.txt lists every file of the folder.
 """
 
 import hashlib

@@ -21,16 +21,16 @@ from refdem.truth.traced_field import Program, traced
 from refdem.truth.validated_ivp.moved import at_start
 
 LOOKS = 4
-"""Places in a step at which guards are looked at: an event that passes between them is missed."""
+"""Places in a step at which guards are evaluated: two zeros between them are missed."""
 HALVINGS = 40
-"""Of the part of a step in which a guard changes its sign."""
+"""The number of bisections of the part of a step in which a guard changes its sign."""
 PROBES = 2
-"""Pieces of a mode that are made to count those of a step."""
+"""Pieces that are made in a mode to find the number of pieces per step."""
 
 
 def can_be_scouted(motion: Followed) -> bool:
-    """Whether all modes of a motion are integrated: one that is left by a closed form costs the
-    proof nothing, and comes again and again (its pace is that of cycles).
+    """Whether all modes of a motion are integrated: a mode whose end has a closed form takes nearly
+    no time, so that the work of such a motion is forecast by its cycles.
     """
     return not any(traced.mode.leaves for traced in motion.modes.values())
 
@@ -39,8 +39,8 @@ class EventScout:
     """The steps of a motion from the place that its proof has reached, which has made PROBES pieces
     of its mode there.
 
-    `times` [s] has the ends of the steps, `pieces` about how many the proof makes up to each.
-    `ended` says that no step goes on from the last one; `is_over` that the motion ends there, or is
+    `times` [s] has the ends of the steps, `pieces` the forecast number of pieces up to each.
+    `ended` is True if no step follows the last one; `is_over` if the motion ends there, or is
     singular.
     """
 
@@ -53,7 +53,7 @@ class EventScout:
         phase = motion.phases[-1]
         self.times = [float(motion.reached())]
         self.pieces = [0.0]
-        # The last piece may reach beyond an event that has not been looked for.
+        # The last piece may extend beyond an event that has not been searched for.
         with precision(phase.bits):
             state = phase.at(arb_of(phase.searched))
         self.enter(phase.mode, Entry(None), state)

@@ -40,7 +40,7 @@ class Flight:
         self.told: dict[str, arb] = {}
 
     def next_bounce(self) -> arb:
-        """The time of the next zero of the height, by bisection after its highest point."""
+        """The time of the next zero of h + v_y s - g s^2/2, by bisection after its maximum."""
         upwards = self.sphere.v[1]
 
         def above(t: arb) -> arb:
@@ -59,7 +59,7 @@ class Flight:
         return self.now + high
 
     def moved(self, t: arb) -> tuple[list[arb], list[arb]]:
-        """Place and velocity at a time before the next bounce."""
+        """Place r + v s - g s^2/2 e_y and velocity v - g s e_y, s after the last bounce."""
         since = t - self.now
         place = [r + v * since for r, v in zip(self.sphere.r, self.sphere.v, strict=True)]
         place[1] -= self.gravity * since * since / 2
@@ -110,7 +110,8 @@ def bouncing_ball(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Cl
         )
     scalars = {"first_bounce": first, **flight.told}
     if e < 1:
-        # What is left after this flight is a geometric series of flights, each e times as long.
+        # Each flight is e times as long as the one before: the sum of their lengths from this one
+        # on is length/(1 - e).
         ended = flight.now
         length = coming - ended
         if flight.bounces == 0:

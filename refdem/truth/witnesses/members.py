@@ -112,8 +112,8 @@ class Trio(Colliding):
     """A sphere between two others, each with its own equation; no symmetry is used.
 
     The state is x, y, vx, vy, spin of each (outer, middle, outer), then the stretches of both
-    springs. Both contacts are in one phase, which the first one's switches end: if the second were
-    not its image, its values would be denied.
+    springs. Both contacts are in one phase, which is ended by the switches of the first one: if the
+    second contact were not its mirror image, the values would not agree with the truth.
     """
 
     def __init__(self, p: Mapping[str, Any]) -> None:

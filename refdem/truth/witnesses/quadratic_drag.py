@@ -24,6 +24,7 @@ def values(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claimed) 
     speed = number(p, "v0")
 
     def rates(sign: int) -> Any:
+        # y' = v, v' = -g + sign (c/m) v^2 with the sign -1 on the way up and 1 on the way down.
         def of(t: Any, state: Sequence[Any]) -> list[Any]:
             velocity = state[1]
             return [velocity, sign * drag * velocity * velocity - gravity]

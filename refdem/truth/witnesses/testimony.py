@@ -21,7 +21,7 @@ from refdem.truth.balls import arb_of, exclusive, precision
 AGREED = 24
 """Digits, relative to a size of at least 1, to which a witness has to agree."""
 BITS = 256
-"""Bits of a testimony: 77 digits, more than are compared."""
+"""The working precision [bit] of a witness: 77 digits, more than are compared."""
 
 Said = Iterator[tuple[Fraction | None, Mapping[str, arb]]]
 Claimed = Mapping[str, Fraction]
