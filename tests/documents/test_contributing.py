@@ -3,6 +3,8 @@ that hold.
 """
 
 import re
+import textwrap
+from importlib import import_module
 from pathlib import Path
 from typing import Any
 
@@ -15,10 +17,14 @@ from refdem.core.problem import Request
 from refdem.core.refinement import bound
 from refdem.core.trajectory import Cost, Trajectory
 from refdem.core.variant import Variant
+from refdem.faults.catalogue import faults
+from refdem.faults.settings import SETTINGS
 from refdem.scene import Body, Scene
 from refdem.truth.sampled import sampled
 
 TEXT = (Path(__file__).parents[2] / "CONTRIBUTING.md").read_text()
+COLUMNS = 100
+"""Of a line of code, as pyproject.toml sets them for ruff."""
 
 
 @pytest.fixture(scope="module")
@@ -78,3 +84,18 @@ def test_the_engine_shown_refuses_by_naming_what_it_lacks(shown: dict[str, Any])
     assert "spring" in engine.unsupported_motion(
         case("harmonic-oscillator").at().problem, engine.methods[0]
     )
+
+
+def test_no_line_is_longer_than_one_of_code() -> None:
+    assert not [line for line in TEXT.splitlines() if len(line) > COLUMNS]
+
+
+def test_the_recipe_of_a_fault_is_a_fault_of_the_file_that_it_names() -> None:
+    """Its entry is read as that file would read it, and has its name and its settings."""
+    (entry,) = re.findall(r"```text\n(   drag\(.*?)   ```", TEXT, re.DOTALL)
+    names = dict(vars(import_module("refdem.faults.catalogue.drag")))
+    exec(f"entries = ({textwrap.dedent(entry)})", names)
+    (fault,) = names["entries"]
+    assert fault.sees == ("error", "v")
+    assert set(fault.on) <= set(SETTINGS)
+    assert fault.name not in {known.name for known in faults()}

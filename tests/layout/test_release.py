@@ -14,6 +14,10 @@ ROOT = Path(__file__).parents[2]
 FORMS = sorted((ROOT / ".github" / "ISSUE_TEMPLATE").glob("*.yml"))
 KINDS = {"Added", "Changed", "Deprecated", "Removed", "Fixed", "Security"}
 """Of the lines of a change log (keepachangelog.com)."""
+MOST_CHANGES = 60
+"""Lines of a version that a user still reads; the history of the repository has the rest."""
+LONGEST_CHANGE = 300
+"""Characters of a change: what is gained or has to be changed, one or two sentences."""
 
 
 def document(path: Path) -> dict[str, Any]:
@@ -55,6 +59,30 @@ def test_a_change_is_a_line_of_a_known_kind() -> None:
             assert kind in KINDS
         elif kind:
             assert not line or line.startswith("- "), line
+
+
+def changes() -> dict[str, list[str]]:
+    """The lines of the change log by the heading of their version."""
+    of_version: dict[str, list[str]] = {}
+    version = ""
+    for line in (ROOT / "CHANGELOG.md").read_text().splitlines():
+        if line.startswith("## "):
+            version = line.removeprefix("## ")
+            of_version[version] = []
+        elif line.startswith("- "):
+            of_version[version].append(line)
+    return of_version
+
+
+def test_a_version_has_no_more_changes_than_a_user_reads() -> None:
+    counts = {version: len(lines) for version, lines in changes().items()}
+    assert counts
+    assert not {version: count for version, count in counts.items() if count > MOST_CHANGES}
+
+
+def test_a_change_is_as_short_as_a_sentence_or_two() -> None:
+    lines = [line for of_version in changes().values() for line in of_version]
+    assert not [line for line in lines if len(line) > LONGEST_CHANGE]
 
 
 @pytest.mark.parametrize("form", FORMS, ids=lambda path: path.stem)
