@@ -73,6 +73,7 @@ test-machines: .venv/refdem .venv/for-tests
 
 nightly: test test-all
 	$(BIN)/pytest $(MATRIX) -n $(JOBS) $(TIMES) --dist loadfile
+	REFDEM_RANDOM_SETTINGS=20 $(BIN)/pytest tests/documents/test_printed_commands.py -n $(JOBS) $(TIMES)
 	$(BIN)/refdem run --campaign full --out build/nightly
 	$(MAKE) test-machines
 	$(MAKE) kernel-lines

@@ -34,6 +34,12 @@ BLAMED = ("fail", "error")
 PAGES = Path(__file__).parents[2] / "reports" / "manual"
 
 
+@cache
+def table():
+    """The lines of the table; what every engine supports is asked once."""
+    return list(lines(gallery.names()))
+
+
 def name_of(item):
     return f"{item.where}: {item.case}"
 
@@ -129,8 +135,16 @@ def test_a_fault_of_an_item_acts_on_its_case_in_a_quantity_that_is_judged_there(
     assert any(quantity == finding.quantity for finding in of_any_method(item))
 
 
-@pytest.mark.parametrize("fault", FAULTS)
-def test_the_check_of_an_item_kills_its_fault(fault) -> None:
+def on_several_settings(name):
+    """True for a fault of which the matrix of tests/attacks, which plants every fault at one seed,
+    sees one setting of several.
+    """
+    (planted,) = chosen([name])
+    return len(planted.on) > 1
+
+
+@pytest.mark.parametrize("fault", [fault for fault in FAULTS if on_several_settings(fault)])
+def test_the_check_of_an_item_kills_its_fault_on_the_setting_that_comes_first(fault) -> None:
     (planted,) = chosen([fault])
     kill = FaultTrial(seeds=1, whole=False).kill(planted, 0)
     assert kill.killed, kill.sentence
@@ -158,7 +172,7 @@ def test_each_number_of_an_item_that_is_off_is_seen(item, monkeypatch) -> None:
 
 
 def test_a_line_names_engines_check_kill_and_picture() -> None:
-    by_place = {(line.where, line.case): line for line in lines(gallery.names())}
+    by_place = {(line.where, line.case): line for line in table()}
     line = by_place[
         "(1.97), (1.99), (1.100), figure 1.14, figure 1.15, figure 1.16", "coulomb-oscillator"
     ]
@@ -174,12 +188,12 @@ def test_an_item_about_a_method_names_it_and_the_engines_that_have_it() -> None:
     assert {item.method for item in about} >= {"gear-5-free-body", "euler-angles"}
     for item in about:
         assert list(engines(item)) == ["reference"]
-    by_place = {(line.where, line.parameters): line for line in lines(gallery.names())}
+    by_place = {(line.where, line.parameters): line for line in table()}
     assert ("section 1.3.9, (1.68)", "--method gear-5-free-body") in by_place
 
 
 def test_every_picture_of_the_gallery_that_the_chapter_has_is_beside_an_item() -> None:
-    shown = {picture for line in lines(gallery.names()) for picture in line.pictures}
+    shown = {picture for line in table() for picture in line.pictures}
     of_chapter = {name for name in gallery.names() if name[0].isdigit()}
     assert shown == of_chapter | {item.picture for item in ITEMS if item.picture}
 
@@ -198,6 +212,6 @@ def test_an_engine_is_named_with_as_many_numbers_as_it_answers() -> None:
 )
 def test_the_committed_table_is_up_to_date() -> None:
     committed = (PAGES / "chapter.md").read_text()
-    assert committed == chapter_markdown(list(lines(gallery.names()))), (
+    assert committed == chapter_markdown(table()), (
         "run `refdem manual reports` and commit reports/manual"
     )
