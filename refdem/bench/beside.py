@@ -10,12 +10,12 @@ from typing import Any
 
 import msgspec
 
-from refdem.bench.turns import Place
+from refdem.bench.interleaving import Place
 from refdem.errors import UsageError
 
 
 class Beside:
-    """A process of another Python that serves `refdem.bench.turns`; a context manager."""
+    """A process of another Python that serves `refdem.bench.interleaving`; a context manager."""
 
     def __init__(self, python: Path) -> None:
         self._python = python
@@ -23,7 +23,7 @@ class Beside:
 
     def __enter__(self) -> "Beside":
         # -P: what is installed there, not a checkout that we stand in.
-        command = [str(self._python), "-P", "-m", "refdem.bench.turns"]
+        command = [str(self._python), "-P", "-m", "refdem.bench.interleaving"]
         self._process = subprocess.Popen(
             command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True
         )
@@ -55,7 +55,7 @@ class Beside:
             answer = ""
         if not answer:
             raise UsageError(
-                f"{self._python} does not run refdem.bench.turns; expected the Python of an"
+                f"{self._python} does not run refdem.bench.interleaving; expected the Python of an"
                 " installation of refdem that has it"
             )
         return msgspec.json.decode(answer)

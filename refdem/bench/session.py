@@ -15,13 +15,13 @@ import refdem
 from refdem.bench import precision
 from refdem.bench.beside import Beside
 from refdem.bench.entrant import Entrant
+from refdem.bench.interleaving import Place
 from refdem.bench.levels import levels
 from refdem.bench.measurement import Measured, interleaved, refined
 from refdem.bench.memory import peaks
 from refdem.bench.peers import peers
 from refdem.bench.record import TARGETS, BenchRecord, Curve, Growth
 from refdem.bench.stability import stability_limit
-from refdem.bench.turns import Place
 from refdem.core.case import Instance
 from refdem.core.engine import Engine, Method
 from refdem.core.truth import SampledTruth

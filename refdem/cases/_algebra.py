@@ -15,7 +15,7 @@ from refdem.core.case import Canonical
 from refdem.core.parameters import Parameters
 from refdem.core.problem import Identity
 from refdem.core.quantity import Quantity, Scales
-from refdem.core.statics import IdentityDocument, Operation
+from refdem.core.static_problems import IdentityDocument, Operation
 from refdem.core.trajectory import Trajectory
 
 Array = NDArray[np.float64]

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from refdem.core.parameters import Parameters
-from refdem.core.statics import Cuboid, Cylinder, Ellipsoid, Piece, Points, Polygon
+from refdem.core.static_problems import Cuboid, Cylinder, Ellipsoid, Piece, Points, Polygon
 from refdem.scene.shapes import Polyhedron
 
 PRISM = ((0, 2, 1), (3, 4, 5), (0, 1, 4, 3), (1, 2, 5, 4), (2, 0, 3, 5))

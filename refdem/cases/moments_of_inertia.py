@@ -12,7 +12,7 @@ from refdem.core.case import Canonical
 from refdem.core.parameters import Parameter, Parameters
 from refdem.core.problem import Solid
 from refdem.core.quantity import Quantity, Scales
-from refdem.core.statics import MASS_PROPERTIES, Points, SolidDocument
+from refdem.core.static_problems import MASS_PROPERTIES, Points, SolidDocument
 from refdem.core.trajectory import Trajectory
 from refdem.core.truth import Truth
 from refdem.errors import UsageError

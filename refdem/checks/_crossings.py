@@ -18,7 +18,7 @@ from math import copysign, exp, inf, sin, sqrt
 import numpy as np
 
 from refdem.checks._impacts import gap_rates, is_sequence, listed
-from refdem.checks._lying import lies, slip_at_start
+from refdem.checks._sphere_on_plane import slip_at_start, starts_on_plane
 from refdem.core.check import Array, Subject
 from refdem.core.truth import SampledTruth
 from refdem.scene import Polyhedron, Scene
@@ -85,7 +85,7 @@ def has_crossings(scene: Scene) -> bool:
     """True if truth may certify event times of the scene: of a point on a belt, of shapes in
     contact, of impacts, or of a body that begins to roll.
     """
-    if is_belt(scene) or lies(scene):
+    if is_belt(scene) or starts_on_plane(scene):
         return True
     return bool(touches(scene)) or is_impact(scene) or is_sequence(scene)
 
@@ -98,7 +98,7 @@ def crossings(subject: Subject, truth: SampledTruth) -> Crossings:
         return parting(subject, truth)
     if "impact_time" in truth.scalars:
         return meeting(subject, truth)
-    if lies(subject.instance.scene):
+    if starts_on_plane(subject.instance.scene):
         return sticking(subject, truth)
     return in_sequence(subject, truth)
 

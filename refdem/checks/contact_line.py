@@ -6,13 +6,13 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from refdem.checks._lying import (
+from refdem.checks._sphere_on_plane import (
     ROUNDED,
     gravity_of,
-    lies,
     moment,
     moment_of_gravity,
     slip_at_start,
+    starts_on_plane,
 )
 from refdem.core.check import Check, CompletedRun, Subject
 from refdem.core.finding import Finding
@@ -41,7 +41,7 @@ class ContactLine(Check):
         reason.
         """
         scene = subject.instance.scene
-        if not lies(scene):
+        if not starts_on_plane(scene):
             return "no rigid sphere lies on a plane"
         slip, _ = slip_at_start(scene)
         speed = float(np.linalg.norm(scene.bodies.velocity[0]))

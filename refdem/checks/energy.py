@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from refdem.checks._crossings import is_impacts_alone
-from refdem.checks._lying import lies
+from refdem.checks._sphere_on_plane import starts_on_plane
 from refdem.core.balance import energy_scale, kinetic, kinetic_exchanged, mechanical
 from refdem.core.check import Check, CompletedRun, Subject
 from refdem.core.finding import Finding
@@ -99,7 +99,11 @@ class Energy(Check):
                 "a drive does work on the system, and the method does not claim to account for it"
             )
         scene = subject.instance.scene
-        if "contact:rigid" not in scene.features or is_impacts_alone(scene) or lies(scene):
+        if (
+            "contact:rigid" not in scene.features
+            or is_impacts_alone(scene)
+            or starts_on_plane(scene)
+        ):
             return None
         return "rigid contacts that carry a load have no potential energy"
 

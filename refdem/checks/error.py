@@ -29,7 +29,7 @@ from refdem.core.judgement import (
 )
 from refdem.core.problem import Problem
 from refdem.core.refinement import MEMORY, kinked, scored
-from refdem.core.statics import Static
+from refdem.core.static_problems import Static
 from refdem.core.truth import SampledTruth
 from refdem.core.variant import Variant
 from refdem.scene.elements.contact import Contact

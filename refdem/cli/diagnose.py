@@ -9,8 +9,8 @@ if TYPE_CHECKING:
     from refdem.core.engine import Engine
     from refdem.core.problem import Request
     from refdem.core.trajectory import Trajectory
-    from refdem.faults.misreading import Misreading
-    from refdem.faults.twins import Diagnosis, Twin
+    from refdem.diagnosis.misreading import Misreading
+    from refdem.diagnosis.twins import Diagnosis, Twin
 
 SECOND_OPINION = 30.0
 """Run time [s] after which no more known faults are tried where misread numbers explain a run."""
@@ -111,8 +111,8 @@ def diagnosed(
 
     from refdem.core.problem import Request
     from refdem.core.refinement import levels
+    from refdem.diagnosis.twins import diagnosis, first_part
     from refdem.errors import UnsupportedError
-    from refdem.faults.twins import diagnosis, first_part
 
     claims = engine.method(method)
     if (reason := engine.unsupported(instance.problem, claims)) is not None:
@@ -149,8 +149,8 @@ def _misreading(
     """The numbers that a run has misread; None where none explain it, or derivatives are not
     certified.
     """
+    from refdem.diagnosis.misreading import misreading
     from refdem.errors import NotCertifiedError
-    from refdem.faults.misreading import misreading
 
     try:
         found = misreading(instance, run, finer, seconds)
@@ -175,8 +175,8 @@ def _trajectory(engine: "Engine", request: "Request") -> "Trajectory":
 
 
 def _amplitude(twin: "Twin") -> float | None:
-    """The amplitude of the twin's fault; None for a fault that has no knob."""
-    if twin.knob is None:
+    """The amplitude of the twin's fault; None for a fault that has no amplitude."""
+    if twin.scaled is None:
         return None
     return twin.amplitude
 

@@ -25,7 +25,7 @@ def command(
 
     from refdem.core.finding import Sheet
     from refdem.core.problem import RequestDocument
-    from refdem.core.statics import SolidDocument
+    from refdem.core.static_problems import SolidDocument
     from refdem.engines.external.description import Description
     from refdem.scene import SceneDocument
     from refdem.stress.record import StressRecord as Stress

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from refdem.core.statics import MASS_PROPERTIES, Solid, properties
+from refdem.core.static_problems import MASS_PROPERTIES, Solid, properties
 from refdem.core.trajectory import Trajectory
 from refdem.core.trajectory_csv import csv_lines, number_in, read_trajectory
 from refdem.core.trajectory_npy import read_table

@@ -20,7 +20,7 @@ from refdem.core.engine import Method
 from refdem.core.finding import Finding, Outcome, Series
 from refdem.core.problem import Motion
 from refdem.core.refinement import HORIZON, kinked
-from refdem.core.statics import Static
+from refdem.core.static_problems import Static
 from refdem.core.trajectory import Trajectory
 from refdem.core.truth import SampledTruth
 from refdem.errors import EngineError

@@ -1,6 +1,7 @@
 """Requests: one run of a problem by one method, as JSON for a program, with a key for the store.
 
-The problem is a question of some kind (core/problem_kinds.py, core/ensemble.py, core/statics.py).
+The problem is a question of some kind (core/problem_kinds.py, core/ensemble.py and
+core/static_problems.py).
 With a step h the samples are `stride` steps apart: t_(n+1) - t_n = stride h.
 """
 
@@ -24,7 +25,7 @@ from refdem.core.problem_kinds import (
     Problem,
 )
 from refdem.core.reading import json_as
-from refdem.core.statics import Identity, IdentityDocument, Solid, SolidDocument
+from refdem.core.static_problems import Identity, IdentityDocument, Solid, SolidDocument
 from refdem.errors import EngineError, UsageError
 from refdem.scene import Scene, SceneDocument, bodies_file
 from refdem.scene.bodies_file import MOST_LISTED

@@ -1,6 +1,6 @@
 """The kinds of questions: `Motion` of a scene and `Iteration` of a map.
 
-Those about many starts are in core/ensemble.py, those without time in core/statics.py.
+Those about many starts are in core/ensemble.py, those without time in core/static_problems.py.
 """
 
 from abc import ABC, abstractmethod

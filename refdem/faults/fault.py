@@ -9,8 +9,8 @@ from typing import Any
 from refdem.core.engine import Engine, Method
 from refdem.core.problem import Motion, Problem, Request
 from refdem.core.trajectory import Cost, Trajectory
+from refdem.faults.correct_parts import CORRECT
 from refdem.faults.parts import Parts
-from refdem.faults.sound import SOUND
 from refdem.faults.transparent import Transparent
 
 Inside = Callable[[Parts], Mapping[str, Any]]
@@ -48,7 +48,7 @@ class Fault:
         if self.inside:
             if engine is not None and not isinstance(engine, Transparent):
                 raise ValueError(f"fault {self.name} is inside a part of the transparent engine")
-            return Transparent(SOUND.with_(**self.inside(SOUND)))
+            return Transparent(CORRECT.with_(**self.inside(CORRECT)))
         return Carrier(engine or Transparent(), self)
 
 

@@ -49,7 +49,7 @@ def tip_torque(arm: Vector, force: Vector) -> Vector:
     return vec.cross(arm, force)
 
 
-SOUND_HOLDING = HoldingParts(
+CORRECT_HOLDING = HoldingParts(
     line_caught=line_caught,
     string_excess=string_excess,
     string_speed=string_speed,

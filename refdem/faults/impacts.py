@@ -52,7 +52,7 @@ def meets(closing: Number) -> bool:
     return bool(closing > 0)
 
 
-SOUND_IMPACTS = ImpactParts(
+CORRECT_IMPACTS = ImpactParts(
     normal_impulse=normal_impulse,
     tangential_ease=tangential_ease,
     tangential_impulse=tangential_impulse,

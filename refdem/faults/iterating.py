@@ -146,7 +146,7 @@ class MapParts:
     settled: Callable[..., Any] = settled
 
 
-SOUND_MAPS = MapParts()
+CORRECT_MAPS = MapParts()
 
 
 def iterated(problem: Iteration, parts: MapParts) -> Trajectory:

@@ -37,7 +37,7 @@ def wedge_energy(wall: Wedge, depth: Number, edge_first: bool) -> Number:
     return wall.stiffness * depth * depth / 2
 
 
-SOUND_POSITIONAL = PositionalParts(field_force=field_force, wedge_force=wedge_force)
+CORRECT_POSITIONAL = PositionalParts(field_force=field_force, wedge_force=wedge_force)
 
 
 def force_of_fields(

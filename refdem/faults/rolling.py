@@ -47,7 +47,7 @@ def slips_on(slip: Vector, direction: Vector) -> Number:
     return vec.dot(slip, direction)
 
 
-SOUND_ROLLING = RollingParts(
+CORRECT_ROLLING = RollingParts(
     pressing=pressing, rubbing=rubbing, holding=holding, grips=grips, slips_on=slips_on
 )
 

@@ -13,14 +13,14 @@ from refdem.core import fingerprint
 from refdem.core.engine import Engine, Method
 from refdem.core.problem import Ensemble, Iteration, Motion, Problem, Request
 from refdem.core.trajectory import Cost, Event, Trajectory
+from refdem.faults.correct_parts import CORRECT
 from refdem.faults.events import advance, first_modes, stored_energy
 from refdem.faults.holding import rod_forces
 from refdem.faults.iterating import iterated
 from refdem.faults.loads import meeting
-from refdem.faults.lying import leaves_its_line, lies
 from refdem.faults.outlines import carried
 from refdem.faults.parts import Moving, Parts
-from refdem.faults.sound import SOUND
+from refdem.faults.sphere_on_plane import leaves_its_line, starts_on_plane
 from refdem.faults.state import State
 from refdem.faults.steps import STEPS
 from refdem.faults.world import PRECISIONS, SUPPORTED, start_of, world_of
@@ -113,7 +113,7 @@ class Transparent(Engine):
     methods = METHODS
     licence = "BSD-3-Clause"
 
-    def __init__(self, parts: Parts = SOUND) -> None:
+    def __init__(self, parts: Parts = CORRECT) -> None:
         self.parts = parts
         self.kept: dict[str, Any] = {}
 
@@ -251,7 +251,7 @@ def _rigid_refused(scene: Scene) -> str | None:
         return "the transparent engine has rigid contacts of spheres with equal moments only"
     if scene.bodies.fixed.any():
         return "the transparent engine has no rigid contact with a fixed body"
-    if lies(scene):
+    if starts_on_plane(scene):
         if leaves_its_line(scene):
             return "a slip that turns"
         return None

@@ -9,7 +9,7 @@ from typing import Any
 import msgspec
 import numpy as np
 
-from refdem.faults.lying import lies
+from refdem.faults.sphere_on_plane import starts_on_plane
 from refdem.faults.state import State
 from refdem.mechanics.vectors import ZERO, Number, Vector
 from refdem.scene import Scene
@@ -137,7 +137,7 @@ def world_of(scene: Scene, number: Callable[[float], Number]) -> World:
     law = next(iter(laws), None)
     pairs = [pair for pair, _ in touching]
     corners = [corner for _, corner in touching]
-    if lies(scene):
+    if starts_on_plane(scene):
         lying = [0]
     else:
         lying = []

@@ -15,7 +15,7 @@ from refdem.core.case import Canonical, Instance
 from refdem.core.engine import Engine
 from refdem.core.manual import ChapterLine
 from refdem.core.problem import Request
-from refdem.core.statics import Static
+from refdem.core.static_problems import Static
 from refdem.faults.catalogue import chosen
 from refdem.faults.fault import Fault
 

@@ -22,12 +22,12 @@ from refdem.mechanics import momentum
 from refdem.mechanics.quaternion import conjugate, rotated
 from refdem.scene.elements.periodic_box import PeriodicBox
 from refdem.smoke.clock import bounded, counted, refuse_other_shape
+from refdem.smoke.diagnosis import diagnosed
 from refdem.smoke.force_probes import force_probes
 from refdem.smoke.gripping_probes import gripping_probe
 from refdem.smoke.impact_probes import impact_probes
 from refdem.smoke.neighbour_probes import neighbour_probes
 from refdem.smoke.probes import INTERVAL, Expected, Probe, probes
-from refdem.smoke.suspicion import suspicion
 from refdem.smoke.turning_probes import turning_probes
 
 Array = NDArray[np.float64]
@@ -339,7 +339,7 @@ def _compared(
 ) -> Finding:
     """The finding on one quantity, compared with its formula over the whole run.
 
-    `right` and `observed` have all quantities, for the suspicion of what the adapter got wrong;
+    `right` and `observed` have all quantities, for the diagnosis of what the adapter got wrong;
     `allowed` is the bound with its basis.
     """
     values = observed[name]
@@ -355,8 +355,8 @@ def _compared(
             f" {_text(expected[worst])}"
         )
         elapsed = probe.times - probe.start
-        suspected = suspicion(right, observed, name, elapsed, probe.mistaken)
-        hint = suspected or f"check how the adapter converts {probe.shows}"
+        diagnosed_as = diagnosed(right, observed, name, elapsed, probe.mistaken)
+        hint = diagnosed_as or f"check how the adapter converts {probe.shows}"
         sentence += f"; {hint}"
     return bounded(f"{probe.name}: {name}", error, bound, basis, sentence)
 

@@ -72,7 +72,7 @@ class Impacts(KernelSolver):
         points = (bodies.inertia[:, 0] == 0) & ~bodies.fixed
         if law.friction > 0 and points.any():
             return "friction on a body without moments of inertia"
-        return _cramped(scene) or _overlapping(scene) or _lying(scene)
+        return _cramped(scene) or _overlapping(scene) or _on_plane(scene)
 
     def prepare(self, request: Request) -> KernelCall:
         """Bodies, planes, law and clock; the start is in its row."""
@@ -205,7 +205,7 @@ def _overlapping(scene: Scene) -> str | None:
     return None
 
 
-def _lying(scene: Scene) -> str | None:
+def _on_plane(scene: Scene) -> str | None:
     """None if gravity presses no sphere on a plane that it touches without speed at the start."""
     bodies = scene.bodies
     gravity = sum((np.array(field.g) for field in scene.all(UniformGravity)), np.zeros(3))

@@ -9,7 +9,7 @@ import numpy as np
 
 from refdem.core.engine import Method
 from refdem.core.problem import Request, Solid
-from refdem.core.statics import (
+from refdem.core.static_problems import (
     Cuboid,
     Cylinder,
     Ellipsoid,

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from refdem.core.engine import Method
 from refdem.core.problem import Identity, Request
-from refdem.core.statics import results
+from refdem.core.static_problems import results
 from refdem.core.trajectory import Cost, Trajectory
 from refdem.mechanics import freedom, koenig, mass_properties, response, rotation
 from refdem.mechanics.multiple_angle import (

@@ -8,7 +8,7 @@ import pytest
 
 from refdem.core import discovery
 from refdem.core.problem import Motion
-from refdem.core.statics import Static
+from refdem.core.static_problems import Static
 from refdem.faults.catalogue import chosen
 from refdem.planning import plan
 from refdem.planning.in_process import record_of, task_of, truth_of

@@ -189,6 +189,6 @@ def test_a_python_without_refdem_is_refused(tmp_path: Path) -> None:
     python.chmod(0o755)
     with (
         Beside(python) as other,
-        pytest.raises(UsageError, match=r"does not run refdem.bench.turns"),
+        pytest.raises(UsageError, match=r"does not run refdem.bench.interleaving"),
     ):
         other.begin([])

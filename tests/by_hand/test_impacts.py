@@ -9,7 +9,7 @@ from math import inf, sqrt
 import numpy as np
 import pytest
 
-from refdem.checks import _impacts, _impulses, _lying, momentum, rigid_impact
+from refdem.checks import _impacts, _impulses, _sphere_on_plane, momentum, rigid_impact
 from refdem.checks._impacts import Impact, Window
 from refdem.core import discovery
 from refdem.core.check import Subject
@@ -560,7 +560,9 @@ def lying(
         velocity=velocity,
         shape=Sphere(radius=radius),
     )
-    return _lying.lies(instance([ball], (law, Plane(normal=normal), *elements)).scene)
+    return _sphere_on_plane.starts_on_plane(
+        instance([ball], (law, Plane(normal=normal), *elements)).scene
+    )
 
 
 def test_a_ball_lies_that_touches_does_not_move_across_and_is_pressed():
@@ -581,18 +583,18 @@ def test_slip_moment_and_weight_of_a_ball_that_lies():
     ball = body(BIG, velocity=(3.0, 0, 0), omega=(0, 1.0, 0.5), position=(0, 0, 1.0))
     gravity = UniformGravity(g=(1.5, 0, -10.0))
     scene = instance([ball], (LAW, FLOOR, gravity)).scene
-    slip, rate = _lying.slip_at_start(scene)
+    slip, rate = _sphere_on_plane.slip_at_start(scene)
     # v - R w x n = 3 - 1; g_t - mu g_n (1 + m R^2/J) = 1.5 - 10/4 (1 + 2/0.8).
     np.testing.assert_allclose(slip, [2.0, 0, 0], atol=1e-15)
     np.testing.assert_allclose(rate, [1.5 - 2.5 * 3.5, 0, 0], atol=1e-14)
     rolling = body(BIG, velocity=(1.0, 0, 0), omega=(0, 1.0, 0), position=(0, 0, 1.0))
-    slip, rate = _lying.slip_at_start(instance([rolling], (LAW, FLOOR, gravity)).scene)
+    slip, rate = _sphere_on_plane.slip_at_start(instance([rolling], (LAW, FLOOR, gravity)).scene)
     assert slip.tolist() == [0.0, 0.0, 0.0]
     assert rate.tolist() == [1.5, 0.0, 0.0]
-    moment = _lying.moment(scene, np.array([[3.0, 4.0, 0]]), np.array([[0.5, 1.0, 9.0]]))
+    moment = _sphere_on_plane.moment(scene, np.array([[3.0, 4.0, 0]]), np.array([[0.5, 1.0, 9.0]]))
     # R n x m v = 2 (-4, 3, 0); J w across is 0.8 (1/2, 1, 0).
     np.testing.assert_allclose(moment, [[-8 + 0.4, 6 + 0.8, 0]], atol=1e-14)
-    np.testing.assert_allclose(_lying.moment_of_gravity(scene), [0, 3.0, 0], atol=1e-14)
+    np.testing.assert_allclose(_sphere_on_plane.moment_of_gravity(scene), [0, 3.0, 0], atol=1e-14)
 
 
 def test_an_impact_after_the_last_sample_is_not_due():

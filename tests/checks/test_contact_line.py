@@ -4,7 +4,7 @@ says where no friction acts. The checks of energy and of event times judge the s
 
 import pytest
 
-from refdem.checks._lying import lies
+from refdem.checks._sphere_on_plane import starts_on_plane
 from refdem.core import discovery
 from refdem.core.engine import Engine
 from refdem.core.finding import Finding
@@ -96,5 +96,5 @@ def test_where_no_friction_acts_there_is_nothing_to_judge(given: dict[str, str])
 
 def test_a_ball_in_the_air_a_block_and_a_pair_do_not_lie_on_a_plane() -> None:
     for case in ("bouncing-ball", "block-on-slope", "hard-spheres", "hard-wall"):
-        assert not lies(discovery.case(case).at().scene)
-    assert lies(discovery.case("rolling").at().scene)
+        assert not starts_on_plane(discovery.case(case).at().scene)
+    assert starts_on_plane(discovery.case("rolling").at().scene)

@@ -9,7 +9,7 @@ import pytest
 
 from refdem.core.answer_csv import SOLID_COLUMNS, most_rows, read_answer
 from refdem.core.problem import Iteration, Solid
-from refdem.core.statics import MASS_PROPERTIES, Cuboid, Piece, SolidDocument
+from refdem.core.static_problems import MASS_PROPERTIES, Cuboid, Piece, SolidDocument
 from refdem.errors import EngineError, UsageError
 
 PIECES = [

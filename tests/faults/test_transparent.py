@@ -12,11 +12,11 @@ import pytest
 from refdem.core import discovery
 from refdem.core.problem import Motion, Request
 from refdem.errors import UnsupportedError
+from refdem.faults.correct_parts import CORRECT
 from refdem.faults.events import sign_change
 from refdem.faults.loads import loads
 from refdem.faults.parts import Moving
 from refdem.faults.settings import SETTINGS
-from refdem.faults.sound import SOUND
 from refdem.faults.steps import rates
 from refdem.faults.transparent import Transparent
 from refdem.faults.world import start_of, world_of
@@ -77,8 +77,8 @@ def test_a_symmetric_top_precesses_at_the_rate_of_the_textbook(method):
 def test_a_torque_spins_a_body_up_in_the_stages_of_runge_kutta_as_in_a_kick():
     scene = discovery.case("free-rigid-body").at(inertia="1,2,5/2", omega_body="0,0,1").scene
     world = world_of(scene, float)
-    pushed = SOUND.with_(loads=lambda *given: replace(loads(*given), torque=[(1.0, 1.0, 1.0)]))
-    rate = rates(Moving(world, pushed), start_of(scene, world, SOUND.to_body))
+    pushed = CORRECT.with_(loads=lambda *given: replace(loads(*given), torque=[(1.0, 1.0, 1.0)]))
+    rate = rates(Moving(world, pushed), start_of(scene, world, CORRECT.to_body))
     assert rate[3] == [(1.0, 1 / 2, 2 / 5)]  # no gyroscopic torque about a principal axis
 
 

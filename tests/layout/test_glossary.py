@@ -9,7 +9,7 @@ import pytest
 from refdem.core.ensemble import Ensemble
 from refdem.core.finding import Outcome, Sheet
 from refdem.core.problem_kinds import Problem
-from refdem.core.statics import Solid
+from refdem.core.static_problems import Solid
 from refdem.stress.record import Verdict
 
 TEXT = (Path(__file__).parents[2] / "docs/glossary.md").read_text()

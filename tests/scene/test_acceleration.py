@@ -5,8 +5,8 @@ them, and by hand where that engine has no such link.
 import numpy as np
 import pytest
 
+from refdem.faults.correct_parts import CORRECT
 from refdem.faults.loads import loads
-from refdem.faults.sound import SOUND
 from refdem.faults.world import start_of, world_of
 from refdem.scene import Body, Scene, Sphere
 from refdem.scene.acceleration import acceleration, lacking
@@ -51,9 +51,9 @@ def test_accelerations_are_the_loads_of_the_transparent_engine_over_masses(
     scene = Scene.of(BODIES, [ELEMENTS[name] for name in names])
     assert lacking(scene) is None
     world = world_of(scene, float)
-    state = start_of(scene, world, SOUND.to_body)
+    state = start_of(scene, world, CORRECT.to_body)
     state.t = 0.75
-    expected = np.array(loads(world, state, SOUND).force) / scene.bodies.mass[:, None]
+    expected = np.array(loads(world, state, CORRECT).force) / scene.bodies.mass[:, None]
     bodies = scene.bodies
     found = acceleration(scene)(0.75, bodies.position, bodies.velocity)
     assert np.abs(expected).max() > 0.1

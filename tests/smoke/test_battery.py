@@ -18,7 +18,7 @@ from refdem.scene import Scene
 from refdem.scene.elements.spring import Spring
 from refdem.scene.elements.uniform_gravity import UniformGravity
 from refdem.smoke.battery import BOUND, every_probe, smoke
-from refdem.smoke.suspicion import distance, suspicion
+from refdem.smoke.diagnosis import diagnosed, distance
 
 SUBSTEPS = 4
 SAID = {"uniform_gravity", "spring"}
@@ -434,7 +434,7 @@ def test_a_known_mistake_is_named_alone_or_as_one_of_equals(probe, number):
     ]
     for name in failing:
         elapsed = probe.times - probe.start
-        clause = suspicion(probe.right, seen, name, elapsed, probe.mistaken)
+        clause = diagnosed(probe.right, seen, name, elapsed, probe.mistaken)
         assert says in clause
         equals = [
             other

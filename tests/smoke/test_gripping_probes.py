@@ -8,8 +8,8 @@ import pytest
 from refdem.scene.elements.contact import Contact
 from refdem.scene.elements.plane import Plane
 from refdem.smoke.battery import BOUND, STEP
+from refdem.smoke.diagnosis import distance
 from refdem.smoke.gripping_probes import gripping_probe
-from refdem.smoke.suspicion import distance
 
 PROBE = gripping_probe()
 

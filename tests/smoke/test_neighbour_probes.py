@@ -12,8 +12,8 @@ from refdem.scene.elements.contact import Contact
 from refdem.scene.elements.periodic_box import PeriodicBox
 from refdem.scene.elements.plane import Plane
 from refdem.smoke.battery import BOUND, smoke
+from refdem.smoke.diagnosis import distance
 from refdem.smoke.neighbour_probes import PERIOD, neighbour_probes
-from refdem.smoke.suspicion import distance
 
 PROBES = {probe.name: probe for probe in neighbour_probes()}
 ACROSS = "across a periodic boundary"

@@ -4,10 +4,10 @@ import pytest
 
 from refdem.scene.elements.spring import Spring
 from refdem.smoke.battery import BOUND
+from refdem.smoke.diagnosis import distance
 from refdem.smoke.force_probes import force_probes
 from refdem.smoke.probe_motion import LONGEST_STEP, motion
 from refdem.smoke.probes import Probe, probes
-from refdem.smoke.suspicion import distance
 from refdem.smoke.turning_probes import turning_probes
 
 PROBES = [

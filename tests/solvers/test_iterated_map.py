@@ -10,7 +10,7 @@ import pytest
 from refdem.core.maps import Logistic, LogisticFlow, RectangleBilliard, StadiumBilliard
 from refdem.core.problem import Iteration, Request
 from refdem.engines.reference import ENGINE
-from refdem.faults.iterating import SOUND_MAPS, iterated
+from refdem.faults.iterating import CORRECT_MAPS, iterated
 
 UNIT = np.array([0.25, 0.125, 0.8, 0.6])
 STADIUM = StadiumBilliard(width=4.0, height=2.0)
@@ -33,7 +33,7 @@ def ran(problem):
 @pytest.mark.parametrize("problem", PROBLEMS, ids=lambda p: f"{p.map.kind}-{p.n}")
 def test_the_kernel_is_what_plain_python_gives(problem):
     run, cost = ran(problem)
-    plain = iterated(problem, SOUND_MAPS)
+    plain = iterated(problem, CORRECT_MAPS)
     assert cost.steps == problem.n
     assert np.array_equal(run.t, problem.times)
     for name, values in plain.values.items():

@@ -9,7 +9,7 @@ from refdem.core.maps import Logistic, LorenzFlow
 from refdem.core.problem import Iteration, Request
 from refdem.engines.reference import ENGINE
 from refdem.errors import EngineError
-from refdem.faults.iterating import SOUND_MAPS, iterated
+from refdem.faults.iterating import CORRECT_MAPS, iterated
 
 METHOD = "lorenz-taylor"
 START = np.array([3.0, -2.0, 15.0])
@@ -32,7 +32,7 @@ def states(problem):
 )
 def test_the_kernel_is_what_plain_python_gives(changed):
     problem = Iteration(flow(**changed), START, 16)
-    plain = iterated(problem, SOUND_MAPS).values["state"]
+    plain = iterated(problem, CORRECT_MAPS).values["state"]
     assert np.allclose(states(problem), plain, rtol=0, atol=1e-10)
 
 

@@ -72,7 +72,7 @@ class External(ProgramEngine):
             "core/trajectory_csv.py",
             "core/trajectory_npy.py",
             "core/answer_csv.py",
-            "core/statics.py",
+            "core/static_problems.py",
             "scene",
         )
         digest.update(f"{source}\0{fingerprint.of_machine()}".encode())

@@ -2,7 +2,7 @@
 
 from typing import get_args, get_type_hints
 
-from refdem.core.statics import SolidShape
+from refdem.core.static_problems import SolidShape
 from refdem.scene.elements import KINDS
 from refdem.scene.elements.contact import Contact
 

@@ -11,7 +11,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from refdem.core.problem import Identity, Request, Solid
-from refdem.core.statics import Cuboid, Cylinder, Ellipsoid, Piece, body, properties, results
+from refdem.core.static_problems import (
+    Cuboid,
+    Cylinder,
+    Ellipsoid,
+    Piece,
+    body,
+    properties,
+    results,
+)
 from refdem.core.trajectory import Cost, Trajectory
 from refdem.engines.mujoco.unsupported import SMALLEST
 from refdem.errors import UnsupportedError

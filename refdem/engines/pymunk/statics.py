@@ -8,7 +8,7 @@ import numpy as np
 import pymunk
 
 from refdem.core.problem import Identity, Request, Solid
-from refdem.core.statics import Piece, Polygon, properties, results
+from refdem.core.static_problems import Piece, Polygon, properties, results
 from refdem.core.trajectory import Cost, Trajectory
 
 

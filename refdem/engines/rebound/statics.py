@@ -9,7 +9,7 @@ import rebound
 from numpy.typing import NDArray
 
 from refdem.core.problem import Identity, Request
-from refdem.core.statics import results
+from refdem.core.static_problems import results
 from refdem.core.trajectory import Cost, Trajectory
 
 Array = NDArray[np.float64]

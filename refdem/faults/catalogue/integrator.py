@@ -17,9 +17,9 @@ from refdem.faults.change import (
     skipping,
     with_force,
 )
+from refdem.faults.correct_parts import S4
 from refdem.faults.fault import Fault
 from refdem.faults.parts import Parts
-from refdem.faults.sound import S4
 from refdem.mechanics import vectors as vec
 from refdem.scene.elements.central_field import CentralField
 from refdem.scene.elements.spring import Spring

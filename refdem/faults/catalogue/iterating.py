@@ -16,7 +16,7 @@ from refdem.core.problem import Request
 from refdem.core.trajectory import Trajectory
 from refdem.faults.change import Inside, of_arguments, of_parts, within
 from refdem.faults.fault import Fault
-from refdem.faults.iterating import SOUND_MAPS
+from refdem.faults.iterating import CORRECT_MAPS
 from refdem.mechanics import vectors as vec
 
 mapped = partial(Fault, kind="map", method="iterated")
@@ -36,7 +36,7 @@ def _late(request: Request, run: Trajectory) -> Trajectory:
 
 def _rounded(state: tuple[float, ...]) -> tuple[float, ...]:
     """The state rounded to six decimals."""
-    return tuple(round(x, 6) for x in SOUND_MAPS.settled(state))
+    return tuple(round(x, 6) for x in CORRECT_MAPS.settled(state))
 
 
 def _printed(state: tuple[float, ...]) -> tuple[float, ...]:
@@ -62,7 +62,7 @@ def _lossy_reflection(
     direction: tuple[float, float], normal: tuple[float, float]
 ) -> tuple[float, float]:
     """A reflection by a wall across y leaves a billionth of |vy| behind."""
-    u, v = SOUND_MAPS.reflected(direction, normal)
+    u, v = CORRECT_MAPS.reflected(direction, normal)
     return u, v * (1.0 - 1e-9 * abs(normal[1]))
 
 
@@ -71,7 +71,7 @@ def _tilted_reflection(
 ) -> tuple[float, float]:
     """u - 2 (u . n) n with normals n that are turned by 1e-12."""
     turned = (normal[0] - 1e-12 * normal[1], normal[1] + 1e-12 * normal[0])
-    reflected: tuple[float, float] = SOUND_MAPS.reflected(direction, turned)
+    reflected: tuple[float, float] = CORRECT_MAPS.reflected(direction, turned)
     return reflected
 
 
@@ -81,9 +81,9 @@ def _bent(share: float) -> Callable[[tuple[float, ...]], tuple[float, ...]]:
     """
 
     def turned(state: tuple[float, ...]) -> tuple[float, ...]:
-        x, y, u, v = SOUND_MAPS.settled(state)
+        x, y, u, v = CORRECT_MAPS.settled(state)
         angle = share * x * y
-        return SOUND_MAPS.settled((x, y, u - angle * v, v + angle * u))  # type: ignore[no-any-return]
+        return CORRECT_MAPS.settled((x, y, u - angle * v, v + angle * u))  # type: ignore[no-any-return]
 
     return turned
 
@@ -108,7 +108,7 @@ def _growing_y(
     state: tuple[float, ...], xy: float, xz: float, flow: LorenzFlow
 ) -> tuple[float, ...]:
     """Lorenz' equations with y' = x (rho - z) + y."""
-    x_rate, y_rate, z_rate = SOUND_MAPS.lorenz_rates(state, xy, xz, flow)
+    x_rate, y_rate, z_rate = CORRECT_MAPS.lorenz_rates(state, xy, xz, flow)
     return x_rate, y_rate + 2.0 * state[1], z_rate
 
 
@@ -116,7 +116,7 @@ def _double_product(
     state: tuple[float, ...], xy: float, xz: float, flow: LorenzFlow
 ) -> tuple[float, ...]:
     """Lorenz' equations with z' = 2 x y - beta z."""
-    rates: tuple[float, ...] = SOUND_MAPS.lorenz_rates(state, 2.0 * xy, xz, flow)
+    rates: tuple[float, ...] = CORRECT_MAPS.lorenz_rates(state, 2.0 * xy, xz, flow)
     return rates
 
 
@@ -125,7 +125,7 @@ def _rounded_beta(
 ) -> tuple[float, ...]:
     """Lorenz' equations with beta in four decimals."""
     coarse = msgspec.structs.replace(flow, beta=round(flow.beta, 4))
-    rates: tuple[float, ...] = SOUND_MAPS.lorenz_rates(state, xy, xz, coarse)
+    rates: tuple[float, ...] = CORRECT_MAPS.lorenz_rates(state, xy, xz, coarse)
     return rates
 
 
@@ -142,7 +142,7 @@ FAULTS = (
         sentence="The equation is stepped with the map.",
         on=("growth",),
         sees=("error", "x_n"),
-        inside=_with(logistic_flow=SOUND_MAPS.logistic),
+        inside=_with(logistic_flow=CORRECT_MAPS.logistic),
     ),
     mapped(
         name="iterate-late",
@@ -198,7 +198,7 @@ FAULTS = (
         sentence="The half circles of a stadium are centred a thousandth too far in.",
         on=("stadium",),
         sees=("bounces", "wall"),
-        inside=_with(centre=lambda table: 0.999 * SOUND_MAPS.centre(table)),
+        inside=_with(centre=lambda table: 0.999 * CORRECT_MAPS.centre(table)),
     ),
     mapped(
         name="direction-shrinks",

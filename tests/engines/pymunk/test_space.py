@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from refdem.core.statics import Polygon
+from refdem.core.static_problems import Polygon
 from refdem.engines.pymunk.space import space_of
 from refdem.engines.pymunk.statics import _is_convex
 from refdem.scene import Body, Scene, Sphere

@@ -108,7 +108,7 @@ HOLDING = (
 
 
 def half_a_reflection(self, state):
-    after = SOUND["stadium.step"](self, state)
+    after = CORRECT["stadium.step"](self, state)
     return Bounce(
         after.place,
         [(a + b) / 2 for a, b in zip(after.direction, state.direction, strict=True)],
@@ -117,7 +117,7 @@ def half_a_reflection(self, state):
 
 
 def wall_everywhere(self, state):
-    kind, side = SOUND["stadium.piece"](self, state)
+    kind, side = CORRECT["stadium.piece"](self, state)
     if kind == ARC and abs(state.place[0]) < 1:
         return (WALL, 1 if state.direction[1] > 0 else -1)
     return (kind, side)
@@ -126,7 +126,7 @@ def wall_everywhere(self, state):
 def nearest_piece_of_midpoints(self, state):
     middle = Bounce([x.mid() for x in state.place], [x.mid() for x in state.direction], state.piece)
     try:
-        return SOUND["stadium.piece"](self, middle)
+        return CORRECT["stadium.piece"](self, middle)
     except UndecidedError:
         return WALL, 1
 
@@ -144,10 +144,10 @@ def first_root(self, state, piece):
 
 def flat_mirror(self, state, after):
     straight = Bounce(after.place, after.direction, (WALL, 1 if after.place[1] > 0 else -1))
-    return SOUND["stadium.slope"](self, state, straight if abs(after.place[1]) > 0.5 else after)
+    return CORRECT["stadium.slope"](self, state, straight if abs(after.place[1]) > 0.5 else after)
 
 
-SOUND = {
+CORRECT = {
     "stadium.step": Stadium.step,
     "stadium.piece": Stadium.piece,
     "stadium.slope": Stadium.slope,
@@ -196,13 +196,13 @@ PLANTED = {
     "walls are twice as far apart": (
         rectangle,
         "crossings",
-        lambda x, u, s: Crossings(SOUND["crossings"](x, u, s).first, 2 * s / abs(u)),
+        lambda x, u, s: Crossings(CORRECT["crossings"](x, u, s).first, 2 * s / abs(u)),
     ),
     "corners are not looked for": (rectangle, "corner", lambda a, b: None),
     "the second corner is taken for the first": (
         rectangle,
         "corner",
-        lambda a, b: None if (t := SOUND["corner"](a, b)) is None else t + 2 * a.every * b.every,
+        lambda a, b: None if (t := CORRECT["corner"](a, b)) is None else t + 2 * a.every * b.every,
     ),
     "cycles of half the length pass": (feigenbaum, "has_period", lambda eta, count: True),
     "the derivative by eta forgets the orbit": (

@@ -6,14 +6,14 @@ from typing import Any
 
 from refdem.errors import UnsupportedError
 from refdem.faults.events import side_of, sign_change
-from refdem.faults.holding import SOUND_HOLDING
-from refdem.faults.impacts import SOUND_IMPACTS
-from refdem.faults.iterating import SOUND_MAPS
+from refdem.faults.holding import CORRECT_HOLDING
+from refdem.faults.impacts import CORRECT_IMPACTS
+from refdem.faults.iterating import CORRECT_MAPS
 from refdem.faults.loads import loads
 from refdem.faults.outlines import linear_flow
 from refdem.faults.parts import Parts
-from refdem.faults.positional import SOUND_POSITIONAL
-from refdem.faults.rolling import SOUND_ROLLING
+from refdem.faults.positional import CORRECT_POSITIONAL
+from refdem.faults.rolling import CORRECT_ROLLING
 from refdem.mechanics import vectors as vec
 from refdem.mechanics.vectors import Number, Quaternion, Vector
 from refdem.scene.element import Element, Field, Link
@@ -260,7 +260,7 @@ S4 = 1.0 / (4.0 - 4.0 ** (1.0 / 3.0))
 """Suzuki 1990: five steps of a symmetric method of order 2 make one of order 4."""
 
 
-SOUND = Parts(
+CORRECT = Parts(
     forces=told_forces(),
     gyroscopic=gyroscopic,
     turn_rate=turn_rate,
@@ -297,12 +297,12 @@ SOUND = Parts(
     loads=loads,
     side_of=side_of,
     located=sign_change,
-    maps=SOUND_MAPS,
+    maps=CORRECT_MAPS,
     flow=linear_flow,
-    positional=SOUND_POSITIONAL,
-    holding=SOUND_HOLDING,
-    impacts=SOUND_IMPACTS,
-    rolling=SOUND_ROLLING,
+    positional=CORRECT_POSITIONAL,
+    holding=CORRECT_HOLDING,
+    impacts=CORRECT_IMPACTS,
+    rolling=CORRECT_ROLLING,
     verlet_kicks=(0.5, 0.5),
     suzuki=(S4, S4, 1.0 - 4.0 * S4, S4, S4),
     rk4_nodes=(0.5, 0.5, 1.0),

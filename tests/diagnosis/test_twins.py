@@ -16,11 +16,11 @@ from refdem.cli.diagnose import parts_of
 from refdem.core import discovery
 from refdem.core.problem import Request
 from refdem.core.trajectory import Trajectory
+from refdem.diagnosis.scaled_faults import continued
+from refdem.diagnosis.twins import Diagnosis, Twin, diagnosis, first_part
 from refdem.errors import UsageError
 from refdem.faults.catalogue import chosen
-from refdem.faults.knobs import continued
 from refdem.faults.transparent import Transparent
-from refdem.faults.twins import Diagnosis, Twin, diagnosis, first_part
 
 
 def asked(case, method, halvings, **given):
@@ -157,8 +157,8 @@ def test_no_fault_is_named_below_three_digits_or_without_a_sound_twin_beside_it(
 def fitted(name, amplitude, distance, beside=1.0):
     """A twin of a catalogue fault at a fitted amplitude."""
     (fault,) = chosen([name])
-    knob = continued(fault)
-    return replace(twin(name, distance, beside), knob=knob, amplitude=amplitude)
+    scaled = continued(fault)
+    return replace(twin(name, distance, beside), scaled=scaled, amplitude=amplitude)
 
 
 @pytest.mark.parametrize(

@@ -12,10 +12,10 @@ from refdem.core.engine import Engine
 from refdem.core.problem import Request
 from refdem.core.refinement import levels
 from refdem.core.trajectory import Trajectory
+from refdem.diagnosis.misreading import Misreading, misreading
 from refdem.errors import NotCertifiedError, RefdemError
 from refdem.faults.catalogue import faults
 from refdem.faults.fault import Carrier
-from refdem.faults.misreading import Misreading, misreading
 from refdem.faults.settings import SETTINGS
 from refdem.faults.transparent import Transparent
 

@@ -9,9 +9,9 @@ from typing import Any
 import numpy as np
 
 from refdem.core.problem import Request
+from refdem.faults.correct_parts import CORRECT
 from refdem.faults.fault import Fault
 from refdem.faults.parts import Parts
-from refdem.faults.sound import SOUND
 
 CONSTANTS = {"suzuki": ("suzuki", "verlet_kicks"), "rk4": ("rk4_nodes", "rk4_weights")}
 """Numbers that a method uses; what begins with verlet uses those of Verlet's step."""
@@ -21,7 +21,7 @@ MEMORY = "fresh"
 
 def listening(called: set[str]) -> Parts:
     """The sound parts; each notes its name when it is called."""
-    noting: Parts = _listening(SOUND, "", called)
+    noting: Parts = _listening(CORRECT, "", called)
     return noting
 
 
@@ -60,7 +60,7 @@ def replaced(fault: Fault) -> frozenset[str]:
     """Names of the parts that a fault replaces; empty for one that is not inside."""
     if fault.inside is None:
         return frozenset()
-    return frozenset(_replaced(SOUND.with_(**fault.inside(SOUND)), SOUND, "")) - {MEMORY}
+    return frozenset(_replaced(CORRECT.with_(**fault.inside(CORRECT)), CORRECT, "")) - {MEMORY}
 
 
 def _replaced(faulty: Any, sound: Any, prefix: str) -> Iterator[str]:

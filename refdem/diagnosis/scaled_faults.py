@@ -15,6 +15,7 @@ from refdem.core.engine import Engine
 from refdem.core.problem import Request
 from refdem.core.trajectory import STATE, Trajectory
 from refdem.faults.change import of_pace, of_results, scaled
+from refdem.faults.correct_parts import CORRECT
 from refdem.faults.fault import Carrier, Fault
 from refdem.faults.numbers import (
     NOT_FACTORS,
@@ -24,13 +25,12 @@ from refdem.faults.numbers import (
     of_fields,
     of_radii,
 )
-from refdem.faults.sound import SOUND
 from refdem.faults.transparent import Transparent
 from refdem.scene import Scene, Sphere
 
 
 @dataclass(frozen=True, kw_only=True)
-class Knob:
+class ScaledFault:
     """A fault of any amplitude.
 
     `says` describes the fault at an amplitude in a sentence; `carrier` makes the transparent engine
@@ -43,8 +43,8 @@ class Knob:
     fault: Fault | None = None
 
 
-def misread(scene: Scene) -> Iterator[Knob]:
-    """Knobs of every number of a scene that may be taken a little too large or too small.
+def misread(scene: Scene) -> Iterator[ScaledFault]:
+    """Scaled faults of every number of a scene that may be taken a little too large or too small.
 
     Amplitude a is a factor of 1 + a. Numbers that are 0 are left out: no factor changes them.
     """
@@ -61,8 +61,8 @@ def misread(scene: Scene) -> Iterator[Knob]:
         yield _misread("radius", "radius of the spheres", of_radii)
 
 
-def _misread_elements(scene: Scene) -> Iterator[Knob]:
-    """Knobs of every field of an element that is a number or several."""
+def _misread_elements(scene: Scene) -> Iterator[ScaledFault]:
+    """Scaled faults of every field of an element that is a number or several."""
     for number, element in enumerate(scene.elements):
         kind = element.kind.replace("_", "-")
         for name in element.__struct_fields__:
@@ -72,16 +72,16 @@ def _misread_elements(scene: Scene) -> Iterator[Knob]:
                 yield _misread(f"{kind}-{name}", description, of_fields(number, name))
 
 
-def _misread_masses(scene: Scene) -> Iterator[Knob]:
-    """Knobs of the mass of each of two bodies by itself; none of other numbers of bodies."""
+def _misread_masses(scene: Scene) -> Iterator[ScaledFault]:
+    """Scaled faults of the mass of each of two bodies; none of other numbers of bodies."""
     if len(scene.bodies) != 2:
         return
     for body in range(2):
         yield _misread(f"mass-of-body-{body}", f"mass of body {body}", of_column("mass", body))
 
 
-def _misread(name: str, description: str, misreading: Misreading) -> Knob:
-    """The knob of one misread number, which `description` names in its sentence."""
+def _misread(name: str, description: str, misreading: Misreading) -> ScaledFault:
+    """The scaled fault of one misread number, which `description` names in its sentence."""
 
     def carrier(amplitude: float) -> Engine:
         fault = Fault(
@@ -94,16 +94,16 @@ def _misread(name: str, description: str, misreading: Misreading) -> Knob:
         )
         return Carrier(Transparent(), fault)
 
-    return Knob(
+    return ScaledFault(
         name=name,
         says=lambda amplitude: f"the {description} is {1.0 + amplitude:.6g} times what was asked",
         carrier=carrier,
     )
 
 
-def paced() -> Iterator[Knob]:
-    """Knobs of steps of positions, velocities or attitudes that are a little longer or shorter than
-    asked: amplitude a is a factor of 1 + a.
+def paced() -> Iterator[ScaledFault]:
+    """Scaled faults of steps of positions, velocities or attitudes that are a little longer or
+    shorter than asked: amplitude a is a factor of 1 + a.
     """
     steps = {
         "drift": ("drifted",),
@@ -115,27 +115,27 @@ def paced() -> Iterator[Knob]:
         yield _paced(name, parts)
 
 
-def _paced(name: str, parts: tuple[str, ...]) -> Knob:
-    """The knob of one kind of step, which the parts of these names make."""
+def _paced(name: str, parts: tuple[str, ...]) -> ScaledFault:
+    """The scaled fault of one kind of step, which the parts of these names make."""
 
     def carrier(amplitude: float) -> Engine:
         pace = 1.0 + amplitude
         stepped = tuple(part for part in parts if part != "turn_rate")
-        changed = of_pace(pace, *stepped)(SOUND)
+        changed = of_pace(pace, *stepped)(CORRECT)
         if "turn_rate" in parts:
             # A rate has no step that could be longer: it is larger itself.
-            changed |= of_results(turn_rate=scaled(pace))(SOUND)
-        return Transparent(SOUND.with_(**changed))
+            changed |= of_results(turn_rate=scaled(pace))(CORRECT)
+        return Transparent(CORRECT.with_(**changed))
 
-    return Knob(
+    return ScaledFault(
         name=f"{name}-length",
         says=lambda amplitude: f"every {name} is {1.0 + amplitude:.6g} times as long as asked",
         carrier=carrier,
     )
 
 
-def continued(fault: Fault) -> Knob | None:
-    """The knob of a fault of the catalogue, which has the fault itself at amplitude 1.
+def continued(fault: Fault) -> ScaledFault | None:
+    """The scaled fault of a fault of the catalogue, which has the fault itself at amplitude 1.
 
     None for a fault that misreads the question: `misread` has all of those that are a matter of
     degree.
@@ -145,13 +145,13 @@ def continued(fault: Fault) -> Knob | None:
 
     def carrier(amplitude: float) -> Engine:
         if fault.inside is not None:
-            return Transparent(SOUND.with_(**_mixed_parts(fault, amplitude)))
+            return Transparent(CORRECT.with_(**_mixed_parts(fault, amplitude)))
         return Carrier(Transparent(), replace(fault, after=_mixed_answer(fault, amplitude)))
 
     def says(amplitude: float) -> str:
         return f"{fault.sentence.rstrip('.')}, {amplitude:.6g} times as much"
 
-    return Knob(name=fault.name, says=says, carrier=carrier, fault=fault)
+    return ScaledFault(name=fault.name, says=says, carrier=carrier, fault=fault)
 
 
 def _mixed_answer(fault: Fault, amplitude: float) -> Callable[[Request, Trajectory], Trajectory]:
@@ -173,12 +173,12 @@ def _mixed_parts(fault: Fault, amplitude: float) -> dict[str, Any]:
     """The parts that the fault replaces, by name, each mixed with the sound one."""
     assert fault.inside is not None
     parts = {}
-    for name, faulty in fault.inside(SOUND).items():
+    for name, faulty in fault.inside(CORRECT).items():
         # `fresh` begins a run and has no result that could be mixed.
         if name == "fresh":
             parts[name] = faulty
         else:
-            parts[name] = _mixed_part(getattr(SOUND, name), faulty, amplitude)
+            parts[name] = _mixed_part(getattr(CORRECT, name), faulty, amplitude)
     return parts
 
 

@@ -25,7 +25,7 @@ def gravity_of(scene: Scene) -> Array:
     return total
 
 
-def lies(scene: Scene) -> bool:
+def starts_on_plane(scene: Scene) -> bool:
     """One sphere touches one plane under the rigid law, does not move across it, and gravity alone
     presses it there.
     """

@@ -13,7 +13,7 @@ a scene that was rotated.
 """
 
 
-def lies(scene: Scene) -> bool:
+def starts_on_plane(scene: Scene) -> bool:
     """One sphere under the rigid law touches one plane at the start without moving across it, and
     gravity presses it there.
     """

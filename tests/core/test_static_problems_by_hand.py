@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from refdem.core.algebra import SIZES
-from refdem.core.statics import (
+from refdem.core.static_problems import (
     Cuboid,
     Ellipsoid,
     Identity,

@@ -1,5 +1,5 @@
-"""The other side of a paired comparison: `python -m refdem.bench.turns` in another installation
-makes the runs that are asked for, one at a time.
+"""The other installation of a paired comparison: `python -m refdem.bench.interleaving` in it makes
+the runs that are asked for, one at a time.
 
 Lines of JSON: first a list of places, answered by null or a reason not to run for each; then the
 number of a place, answered by seconds.

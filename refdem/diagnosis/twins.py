@@ -22,11 +22,11 @@ from refdem.core.engine import Engine
 from refdem.core.judgement import distances
 from refdem.core.problem import Request
 from refdem.core.trajectory import Trajectory
-from refdem.faults import fit
-from refdem.faults.acting import acts, listening
+from refdem.diagnosis import amplitude_fit
+from refdem.diagnosis.effective_faults import acts, listening
+from refdem.diagnosis.scaled_faults import ScaledFault, continued, misread, paced
 from refdem.faults.catalogue import faults
 from refdem.faults.fault import Carrier, Fault
-from refdem.faults.knobs import Knob, continued, misread, paced
 from refdem.faults.settings import SETTINGS
 from refdem.faults.transparent import METHODS, Transparent
 
@@ -64,7 +64,7 @@ MOST_STEPS = 600
 """Steps of the code's run that are looked at."""
 EXPLAINED = 1e-11
 """A twin without any fault that is as near as this leaves nothing to explain."""
-SOUND = 1e-9
+CORRECT = 1e-9
 """A code that is farther than this from every twin without fault differs by more than the order of
 its sums.
 """
@@ -89,8 +89,9 @@ MOST_DIGITS = 16.0
 
 @dataclass(frozen=True, kw_only=True)
 class Twin:
-    """A twin's run beside the code's: what is wrong with it (no fault and no knob: nothing), its
-    method, and the largest distance.
+    """A twin's run beside the code's: its fault, its method and the largest distance.
+
+    A twin without a fault and without a scaled fault is correct.
 
     `distance` is in units of each scale, `beside` that of the twin of the same method and step
     without the fault.
@@ -100,7 +101,7 @@ class Twin:
     step: float
     distance: float
     fault: Fault | None = None
-    knob: Knob | None = None
+    scaled: ScaledFault | None = None
     amplitude: float = 1.0
     beside: float = inf
 
@@ -114,8 +115,8 @@ class Twin:
     @property
     def name(self) -> str:
         """The fault's; empty for a sound twin."""
-        if self.knob is not None:
-            return self.knob.name
+        if self.scaled is not None:
+            return self.scaled.name
         if self.fault:
             return self.fault.name
         return ""
@@ -123,8 +124,8 @@ class Twin:
     @property
     def behaviour(self) -> str:
         """What a code does that behaves so."""
-        if self.knob is not None:
-            return f"{self.knob.name}: {self.knob.says(self.amplitude)} ({self.method})"
+        if self.scaled is not None:
+            return f"{self.scaled.name}: {self.scaled.says(self.amplitude)} ({self.method})"
         if self.fault is None:
             return f"{self.method} without any fault"
         return f"{self.fault.name}: {self.fault.sentence.rstrip('.')} ({self.method})"
@@ -142,13 +143,13 @@ class Twin:
             left = LEFT
         is_near = self.digits >= digits
         if not self.name:
-            return is_near and self.distance <= SOUND
+            return is_near and self.distance <= CORRECT
         return is_near and isfinite(self.beside) and self.distance <= left * self.beside
 
     @property
     def is_odd(self) -> bool:
         """True of a fitted amplitude that is no simple number."""
-        if self.knob is None:
+        if self.scaled is None:
             return False
         if self.fault is None:
             # A number that is misread is multiplied by 1 + amplitude.
@@ -243,7 +244,7 @@ def _complexity(twin: Twin) -> int:
     """
     if not twin.name:
         return 0
-    if twin.knob is None:
+    if twin.scaled is None:
         return 1
     if twin.fault is None:
         return 2
@@ -340,7 +341,7 @@ class Beside:
         self.request = request
         self.run = run
         self.step = request.step or abs(request.problem.interval) / FINER
-        self.like = fit.states(instance, run, run)
+        self.like = amplitude_fit.states(instance, run, run)
         self.answers: dict[tuple[str, float | None, int], Trajectory] = {}
         self.called: dict[str, set[str]] = {}
         """Names of the parts of the engine that each method calls."""
@@ -421,8 +422,8 @@ class Beside:
         nearest = min(self.sound.values(), key=lambda twin: twin.distance)
         twin = self.ran(Transparent(), nearest.method, nearest.step)
         assert twin is not None
-        return fit.windows(
-            np.abs(fit.states(self.instance, twin, self.run) - self.like).max(axis=1)
+        return amplitude_fit.windows(
+            np.abs(amplitude_fit.states(self.instance, twin, self.run) - self.like).max(axis=1)
         )
 
     def faulty(self) -> Iterator[Twin]:
@@ -439,15 +440,15 @@ class Beside:
         )
         yield from self._known(followed, first)
         scene = self.request.problem.scene
-        knobs = [
+        scaled_faults = [
             *misread(scene),
             *paced(),
-            *(knob for fault in faults() if (knob := continued(fault))),
+            *(scaled for fault in faults() if (scaled := continued(fault))),
         ]
-        for knob in knobs:
+        for scaled in scaled_faults:
             if self._is_late():
                 return
-            yield from self._fitted(knob, followed)
+            yield from self._fitted(scaled, followed)
 
     def _is_late(self, part: float = 1.0) -> bool:
         """True if this part of the run time is spent; the search is then cut short."""
@@ -481,7 +482,9 @@ class Beside:
                 for name in ("t", "position", "velocity", "attitude", "omega")
             }
         )
-        return np.asarray((fit.states(self.instance, twin, short) - self.like[:samples]).ravel())
+        return np.asarray(
+            (amplitude_fit.states(self.instance, twin, short) - self.like[:samples]).ravel()
+        )
 
     def _tries(
         self, fault: Fault | None, followed: list[tuple[str, float]]
@@ -530,28 +533,30 @@ class Beside:
                     beside=self.sound[method, step].distance,
                 )
 
-    def _fitted(self, knob: Knob, followed: list[tuple[str, float]]) -> Iterator[Twin]:
+    def _fitted(self, scaled: ScaledFault, followed: list[tuple[str, float]]) -> Iterator[Twin]:
         """Twins with a fault of any amplitude, one in each method that can explain the run: at the
         amplitude at which it is nearest to the run.
         """
         inert = set()
-        for method, step in self._tries(knob.fault, followed):
+        for method, step in self._tries(scaled.fault, followed):
             if self._is_late():
                 return
             if method in inert:
                 continue
-            amplitude = fit.amplitude(self._differences(knob, method, step), self.counts)
+            amplitude = amplitude_fit.amplitude(
+                self._differences(scaled, method, step), self.counts
+            )
             if amplitude is None:
                 continue
             if amplitude == 0.0:
                 # The fault does not act in this method, at whatever step.
                 inert.add(method)
                 continue
-            distance = self.distance(self.ran(knob.carrier(amplitude), method, step))
+            distance = self.distance(self.ran(scaled.carrier(amplitude), method, step))
             if distance is not None:
                 yield Twin(
-                    fault=knob.fault,
-                    knob=knob,
+                    fault=scaled.fault,
+                    scaled=scaled,
                     amplitude=amplitude,
                     method=method,
                     step=step,
@@ -559,12 +564,14 @@ class Beside:
                     beside=self.sound[method, step].distance,
                 )
 
-    def _differences(self, knob: Knob, method: str, step: float) -> fit.Difference:
+    def _differences(
+        self, scaled: ScaledFault, method: str, step: float
+    ) -> amplitude_fit.Difference:
         """Twin less run at an amplitude over so many samples; that of the sound twin is kept."""
 
         def difference(amplitude: float, samples: int) -> Array | None:
             if amplitude:
-                return self.difference(knob.carrier(amplitude), method, step, samples)
+                return self.difference(scaled.carrier(amplitude), method, step, samples)
             key = (method, step, samples)
             if key not in self.plain:
                 self.plain[key] = self.difference(Transparent(), method, step, samples)
@@ -575,8 +582,8 @@ class Beside:
 
 def _engine(twin: Twin) -> Engine:
     """The engine that runs a given twin."""
-    if twin.knob is not None:
-        return twin.knob.carrier(twin.amplitude)
+    if twin.scaled is not None:
+        return twin.scaled.carrier(twin.amplitude)
     if twin.fault:
         return twin.fault.carrier()
     return Transparent()

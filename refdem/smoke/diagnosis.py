@@ -30,7 +30,7 @@ POINT_FACTOR = 10.0
 
 
 @dataclass(frozen=True)
-class Suspect:
+class Mistake:
     """A slip in words, and as a function from the right columns to the wrong ones that it makes."""
 
     says: str
@@ -74,47 +74,47 @@ def _from_body(name: str) -> Slip:
     return slip
 
 
-def _reordered(name: str, order: str) -> Suspect:
+def _reordered(name: str, order: str) -> Mistake:
     """The slip that a column has its axes in another order, such as "xzy"."""
     numbers = ["xyz".index(axis) for axis in order]
     reorder = _of(name, lambda values: values[..., numbers])
-    return Suspect(f"the axes of its {name} come in the order {order}", reorder)
+    return Mistake(f"the axes of its {name} come in the order {order}", reorder)
 
 
 COLUMNS = ("position", "velocity", "omega")
-SUSPECTS = (
-    Suspect("its quaternion has w last", _of("attitude", lambda q: np.roll(q, -1, axis=-1))),
-    Suspect(
+MISTAKES = (
+    Mistake("its quaternion has w last", _of("attitude", lambda q: np.roll(q, -1, axis=-1))),
+    Mistake(
         "its quaternion has w last and is read with w first",
         _of("attitude", lambda q: np.roll(q, 1, axis=-1)),
     ),
-    Suspect("its quaternion takes space to body axes", _of("attitude", conjugate)),
-    Suspect("its omega is in body axes", _from_body("omega")),
-    Suspect("its velocity is in body axes", _from_body("velocity")),
-    Suspect("its position is in body axes", _from_body("position")),
-    Suspect("its omega is in degrees per second", _of("omega", np.degrees)),
-    Suspect("its omega is in turns per second", _of("omega", lambda w: w / (2 * np.pi))),
-    Suspect("its omega has the other sign", _of("omega", np.negative)),
-    Suspect("its omega is zero", _of("omega", lambda w: 0 * w)),
-    Suspect(
+    Mistake("its quaternion takes space to body axes", _of("attitude", conjugate)),
+    Mistake("its omega is in body axes", _from_body("omega")),
+    Mistake("its velocity is in body axes", _from_body("velocity")),
+    Mistake("its position is in body axes", _from_body("position")),
+    Mistake("its omega is in degrees per second", _of("omega", np.degrees)),
+    Mistake("its omega is in turns per second", _of("omega", lambda w: w / (2 * np.pi))),
+    Mistake("its omega has the other sign", _of("omega", np.negative)),
+    Mistake("its omega is zero", _of("omega", lambda w: 0 * w)),
+    Mistake(
         "its attitude never changes", _of("attitude", lambda q: np.repeat(q[:1], len(q), axis=0))
     ),
-    Suspect("its position is in millimetres", _of("position", lambda r: 1000 * r)),
-    Suspect("its position is in kilometres", _of("position", lambda r: r / 1000)),
-    Suspect("its position has the other sign", _of("position", np.negative)),
-    Suspect(
+    Mistake("its position is in millimetres", _of("position", lambda r: 1000 * r)),
+    Mistake("its position is in kilometres", _of("position", lambda r: r / 1000)),
+    Mistake("its position has the other sign", _of("position", np.negative)),
+    Mistake(
         "its position never changes", _of("position", lambda r: np.repeat(r[:1], len(r), axis=0))
     ),
-    Suspect("its velocity is in millimetres per second", _of("velocity", lambda v: 1000 * v)),
-    Suspect("its velocity has the other sign", _of("velocity", np.negative)),
+    Mistake("its velocity is in millimetres per second", _of("velocity", lambda v: 1000 * v)),
+    Mistake("its velocity has the other sign", _of("velocity", np.negative)),
     *starmap(_reordered, product(COLUMNS, ORDERS)),
-    Suspect("its bodies come in the other order", _in_all(lambda values: values[:, ::-1])),
-    Suspect("every row is that of the sample before", _in_all(_a_row_before)),
-    Suspect("every row is that of the sample after", _in_all(_a_row_after)),
+    Mistake("its bodies come in the other order", _in_all(lambda values: values[:, ::-1])),
+    Mistake("every row is that of the sample before", _in_all(_a_row_before)),
+    Mistake("every row is that of the sample after", _in_all(_a_row_after)),
 )
 
 
-def suspicion(
+def diagnosed(
     right: Expected,
     observed: Expected,
     name: str,
@@ -127,10 +127,10 @@ def suspicion(
     the start. `mistaken` has mistakes of the probe in words, with the columns that they would give.
     """
     explanations = []
-    for suspect in SUSPECTS:
-        slipped = suspect.slip(right)
+    for mistake in MISTAKES:
+        slipped = mistake.slip(right)
         if name in slipped and distance(observed[name], slipped[name], name) <= NEAR:
-            explanations.append(suspect.says)
+            explanations.append(mistake.says)
     explanations += [says for says, wrong in mistaken if _explains(right, observed, wrong)]
     if not explanations:
         return _displaced(right, observed, name, elapsed)

@@ -1,0 +1,1 @@
+"""Model-based diagnosis: which mistake in a program explains how its run deviates."""
