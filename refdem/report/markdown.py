@@ -1,9 +1,12 @@
-"""validation.md: what is committed, so no times, dates or hosts, and two significant digits."""
+"""validation.md: what is committed, so no times, dates or hosts, and two significant digits.
+
+figures.md beside it shows the figure of each case; a repository can leave both it and them out.
+"""
 
 import math
 from collections.abc import Sequence
 
-from refdem.core.finding import EngineSheet, Record
+from refdem.core.finding import CaseSheet, EngineSheet, Record
 from refdem.core.outside import markdown_text
 from refdem.report.contents import Contents, advice, page
 from refdem.report.html import MARKS, span, step, target
@@ -20,7 +23,10 @@ MOST_PLACES = 8
 
 
 def validation(contents: Contents, rows: dict[str, list[Row]], pictures: set[str]) -> str:
-    """The text of validation.md; `pictures` are the names of the figures that were drawn."""
+    """The text of validation.md; `pictures` are the names of the figures that were drawn.
+
+    It shows the figure of all cases only, and links to no other file.
+    """
     parts = [
         _head(contents),
         _conserved(contents),
@@ -31,11 +37,31 @@ def validation(contents: Contents, rows: dict[str, list[Row]], pictures: set[str
     ]
     if "tolerance.svg" in pictures:
         parts.insert(2, "![Error against step, every case, every engine](figures/tolerance.svg)")
+    if _drawn(contents, pictures):
+        parts.append(
+            "The error of each case below is drawn against the step in figures.md, which the same"
+            " command writes beside this page."
+        )
     parts += [
-        _case(sheet.label, sheet.title, sheet.truth_method, sheet.reproduce, pictures)
+        _case(sheet.label, sheet.title, sheet.truth_method, sheet.reproduce)
         for sheet in contents.cases
     ]
     return "\n\n".join(part for part in parts if part) + "\n"
+
+
+def figures(contents: Contents, pictures: set[str]) -> str:
+    """The text of figures.md: the figure of each case, error against step."""
+    parts = [f"# Figures: {markdown_text(contents.campaign.name)}"]
+    for sheet in _drawn(contents, pictures):
+        label = markdown_text(sheet.label)
+        parts.append(f"## {label}\n\n{markdown_text(sheet.title)}.")
+        parts.append(f"![Error against step: {label}](figures/{page(sheet.label)}.svg)")
+    return "\n\n".join(parts) + "\n"
+
+
+def _drawn(contents: Contents, pictures: set[str]) -> list[CaseSheet]:
+    """The cases whose error was drawn against the step."""
+    return [sheet for sheet in contents.cases if f"{page(sheet.label)}.svg" in pictures]
 
 
 def _named(sheet: EngineSheet) -> str:
@@ -233,12 +259,8 @@ def _item(text: str, found: Findings) -> str:
     return f"- {markdown_text(text)}  \n  {listed}{more}"
 
 
-def _case(label: str, title: str, method: str, reproduce: str, pictures: set[str]) -> str:
+def _case(label: str, title: str, method: str, reproduce: str) -> str:
     """The section of one instance: its title, how its truth is known, how to run it again."""
-    name = f"{page(label)}.svg"
-    picture = ""
-    if name in pictures:
-        picture = f"\n\n![Error against step: {markdown_text(label)}](figures/{name})"
     if method:
         truth = f"Truth: {markdown_text(method)}. "
     else:
@@ -247,7 +269,7 @@ def _case(label: str, title: str, method: str, reproduce: str, pictures: set[str
         again = f"Again: {markdown_text(reproduce)}."
     else:
         again = ""
-    return f"## {markdown_text(label)}\n\n{markdown_text(title)}. {truth}{again}{picture}"
+    return f"## {markdown_text(label)}\n\n{markdown_text(title)}. {truth}{again}"
 
 
 def table(head: list[str], lines: list[list[str]]) -> str:

@@ -21,7 +21,7 @@ from refdem.report.junit import junit
 from refdem.report.mathml import equations
 from tests.report import synthetic
 
-COMMITTED = ("validation.md", "figures/*.svg")
+COMMITTED = ("validation.md", "figures.md", "figures/*.svg")
 
 
 class Page(HTMLParser):
@@ -88,6 +88,7 @@ def test_every_file_of_a_report_is_there(folder):
         "assets/report.css",
         "assets/index-tolerance.js",
         "validation.md",
+        "figures.md",
         "figures/tolerance.svg",
         "figures/pendulum.svg",
         "junit.xml",
@@ -220,15 +221,20 @@ def test_the_rows_of_a_table_in_markdown_have_as_many_cells_as_its_head(folder):
 
 
 def test_markdown_has_no_markup_of_a_stranger(folder):
-    text = (folder / "validation.md").read_text()
+    text = (folder / "validation.md").read_text() + (folder / "figures.md").read_text()
     assert "<script" not in text
     assert "<img" not in text
     assert not re.search(r"(?<!\\)`", text)
 
 
-def test_every_figure_of_the_markdown_is_there(folder):
-    for name in re.findall(r"\]\((figures/[^)]*)\)", (folder / "validation.md").read_text()):
-        assert (folder / name).is_file()
+def test_the_pages_in_markdown_show_every_figure_and_no_other(folder):
+    def shown_in(page):
+        return re.findall(r"\]\((figures/[^)]*)\)", (folder / page).read_text())
+
+    assert shown_in("validation.md") == ["figures/tolerance.svg"]
+    shown = ["figures/tolerance.svg", *shown_in("figures.md")]
+    drawn = [f"figures/{path.name}" for path in (folder / "figures").iterdir()]
+    assert sorted(shown) == sorted(drawn)
 
 
 def test_junit_counts_failures_and_skips_with_their_reasons(folder, sheets):
