@@ -12,6 +12,8 @@ from refdem.errors import UsageError
 
 if TYPE_CHECKING:
     from refdem.core.finding import Sheet
+    from refdem.core.moved import Moved
+    from refdem.core.store import Store
     from refdem.planning.specification import Specification
 
 
@@ -98,7 +100,9 @@ def command(
     progress = Progress()
     whole = Campaign(specification, store, count, not no_cache, progress, address)
     sheets = whole.sheets()
-    write_report(out, [*sheets, *resolution.of_records(measured, sheets)], store)
+    moved = of_single_case(specification, store)
+    noticed = resolution.of_records(measured, sheets)
+    write_report(out, [*sheets, *noticed, *moved], store)
     changes = []
     if bless:
         changes = blessed(base, sheets)
@@ -111,6 +115,13 @@ def command(
         print("\n".join([*lines(sheets), *without_effect, *changes, *absent]))
         print(f"report: {out / 'index.html'} ({time.perf_counter() - start:.1f} s in all)")
     raise typer.Exit(exit_status(sheets, absent))
+
+
+def of_single_case(specification: "Specification", store: "Store") -> "list[Moved]":
+    """What each number of the case moves, for the report of a single case."""
+    from refdem.planning import moved
+
+    return moved.sheets(specification, store)
 
 
 def asked_for(cases: list[str], pairs: list[str], campaign: str) -> "Specification":

@@ -9,6 +9,7 @@ from typing import Literal
 
 import msgspec
 
+from refdem.core.moved import Moved
 from refdem.core.replay import Replay
 from refdem.core.resolution import Resolution
 
@@ -178,7 +179,7 @@ class CampaignSheet(msgspec.Struct, frozen=True, kw_only=True, tag="campaign", t
     seconds: float
 
 
-Sheet = Record | CaseSheet | EngineSheet | CampaignSheet | Replay | Resolution
+Sheet = Record | CaseSheet | EngineSheet | CampaignSheet | Replay | Resolution | Moved
 
 
 def findings_of(sheets: Iterable[Sheet]) -> Iterator[tuple[Record, Finding]]:

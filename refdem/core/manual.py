@@ -2,6 +2,8 @@
 
 import msgspec
 
+from refdem.core.moved import MovedLine
+
 
 class ParameterLine(msgspec.Struct, frozen=True, kw_only=True):
     """One parameter: exact in truth, with unit and bounds."""
@@ -23,25 +25,6 @@ class QuantityLine(msgspec.Struct, frozen=True, kw_only=True):
     scale: float | None = None
     mid: str = ""
     radius: str = ""
-
-
-class MovedLine(msgspec.Struct, frozen=True, kw_only=True):
-    """What one number of a case moves: the quantity that it moves most, in units of its scale.
-
-    `slope` is the derivative of this quantity by the number; a number larger by a small part a
-    moves it by `share` times a of its scale (None for a number that is 0). No quantity is named
-    where none depends on the number. `has_derivative` is False where motions are of another kind
-    on either side of the number.
-    """
-
-    number: str
-    value: float
-    unit: str
-    has_derivative: bool = True
-    quantity: str = ""
-    unit_of_quantity: str = ""
-    slope: float = 0.0
-    share: float | None = None
 
 
 class CheckLine(msgspec.Struct, frozen=True, kw_only=True):

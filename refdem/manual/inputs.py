@@ -14,7 +14,9 @@ from refdem.truth.witnesses.testimony import witness_files, witnesses
 NAME = "inputs.txt"
 """Beside the pages: a line a case, `digest  case`."""
 WRITERS = (
-    "manual/moved.py",
+    "core/moved.py",
+    "planning/moved.py",
+    "report/moved.py",
     "manual/pages.py",
     "manual/slips.py",
     "report/manual.py",

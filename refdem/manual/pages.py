@@ -10,9 +10,9 @@ from refdem.core.case import Canonical, Instance
 from refdem.core.manual import CheckLine, ManualPage, ParameterLine, QuantityLine, TruthLine
 from refdem.core.selection import Selection
 from refdem.errors import NotCertifiedError
-from refdem.manual.moved import moved_at, moved_lines
 from refdem.manual.slips import slips_of
 from refdem.planning import plan
+from refdem.planning.moved import moved_at, moved_lines
 from refdem.planning.specification import Specification
 from refdem.truth.certified.reader import CertifiedSet, load
 from refdem.truth.witnesses.testimony import witnesses

@@ -19,6 +19,7 @@ from refdem.core.finding import (
     Record,
     Sheet,
 )
+from refdem.core.moved import Moved
 from refdem.core.replay import Replay
 from refdem.core.resolution import Resolution
 from refdem.report.jsonl import finite
@@ -34,6 +35,7 @@ class Contents:
     records: tuple[Record, ...]
     replays: dict[str, Replay] = field(default_factory=dict)
     resolutions: tuple[Resolution, ...] = ()
+    moved: dict[str, Moved] = field(default_factory=dict)
 
     def of(self, label: str) -> list[Record]:
         """The records of one instance, in the order of the report."""
@@ -93,6 +95,7 @@ def contents_of(sheets: Iterable[Sheet]) -> Contents:
     records = []
     replays: dict[str, Replay] = {}
     resolutions = []
+    moved: dict[str, Moved] = {}
     for sheet in map(finite, sheets):
         match sheet:
             case CaseSheet():
@@ -107,6 +110,8 @@ def contents_of(sheets: Iterable[Sheet]) -> Contents:
                 replays[sheet.label] = sheet
             case Resolution():
                 resolutions.append(sheet)
+            case Moved():
+                moved[sheet.label] = sheet
     for record in records:
         cases.setdefault(record.label, _bare_case(record))
         engines.setdefault(record.engine, _bare_engine(record))
@@ -117,6 +122,7 @@ def contents_of(sheets: Iterable[Sheet]) -> Contents:
         records=tuple(sorted(records, key=_record_order)),
         replays=replays,
         resolutions=tuple(resolutions),
+        moved=moved,
     )
 
 

@@ -15,6 +15,7 @@ from refdem.report import index
 from refdem.report.contents import Contents, anchor, page
 from refdem.report.invariants import law_sheets
 from refdem.report.mathml import equations
+from refdem.report.moved import HEAD, cells_of, words_of
 from refdem.report.numbers import ABSENT, decades, significant, two
 from refdem.report.overview import advice_text, advised, shown_digits
 from refdem.report.reasons import refusals
@@ -76,6 +77,7 @@ def shared_by_all(contents: Contents) -> dict[str, Any]:
         "targets": TARGETS,
         "advised": advised(contents),
         "laws": law_sheets(contents),
+        "moved_head": HEAD,
     }
 
 
@@ -104,6 +106,7 @@ def _case_pages(
             equations=equations(sheet.latex),
             counts=contents.counts(contents.of(label)),
             distances=distances(rows[label]),
+            moved=contents.moved.get(label),
             before=neighbours[number],
             after=neighbours[number + 2],
         )
@@ -164,6 +167,8 @@ def environment() -> Environment:
         span,
         advice_text,
         shown_digits,
+        cells_of,
+        words_of,
     )
     templates.filters |= {function.__name__: function for function in functions}
     templates.tests["joined"] = lambda row: row.quantity == WORST

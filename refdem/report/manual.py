@@ -5,12 +5,14 @@ report's style), and a table of them all.
 from collections.abc import Sequence
 from pathlib import Path
 
-from refdem.core.manual import ChapterLine, CheckLine, ManualPage, MovedLine, QuantityLine
+from refdem.core.manual import ChapterLine, CheckLine, ManualPage, QuantityLine
+from refdem.core.moved import Moved
 from refdem.core.outside import markdown_text
 from refdem.report.files import removed, written
 from refdem.report.html import environment
 from refdem.report.markdown import table
 from refdem.report.mathml import equations
+from refdem.report.moved import HEAD, TITLE, markdown_rows, words_of
 from refdem.report.numbers import two
 
 CSS = Path(__file__).with_name("assets") / "report.css"
@@ -84,7 +86,7 @@ def markdown(page: ManualPage) -> str:
     if page.scalars:
         parts += ["## Scalars at the defaults", scalars(page.scalars)]
     if page.moved:
-        parts += ["## What each number moves", moved(page)]
+        parts += [f"## {TITLE}", moved(page)]
     parts += [
         "## Truth",
         truth(page),
@@ -158,38 +160,10 @@ def moved(page: ManualPage) -> str:
     """A table of the numbers of the case: the quantity that each moves most, by certified
     derivatives.
     """
-    head = ["number", "value", "moves most", "derivative", "1 % more moves it by, of its scale"]
     command = f"refdem truth {page.case} --sensitivities --at {page.moved_at}"
-    words = (
-        f"Certified derivatives at the defaults, at t = {page.moved_at} s: of the quantity that"
-        f" each number moves most, in units of its scale. `{command}` prints all of them."
-    )
-    return f"{words}\n\n{table(head, [_moved_cells(line) for line in page.moved])}"
-
-
-def _moved_cells(line: MovedLine) -> list[str]:
-    """The cells of one number."""
-    value = f"{line.value:.6g} {_unit(line.unit)}".rstrip()
-    number = f"`{line.number}`"
-    if not line.has_derivative:
-        return [number, value, "no derivative: the motion is of another kind on one side", "", ""]
-    if not line.quantity:
-        return [number, value, "no quantity depends on it", "", ""]
-    unit = markdown_text(f"({line.unit_of_quantity})/({line.unit})")
-    if line.unit == "1":
-        unit = _unit(line.unit_of_quantity)
-    share = ""
-    if line.share is not None:
-        share = f"{line.share:.3g} %"
-    slope = f"{line.slope:.4g} {unit}".rstrip()
-    return [number, value, f"`{line.quantity}`", slope, share]
-
-
-def _unit(unit: str) -> str:
-    """A unit; empty for a number without one."""
-    if unit == "1":
-        return ""
-    return markdown_text(unit)
+    lines = Moved(label=page.case, at=page.moved_at, command=command, numbers=page.moved)
+    words = f"{words_of(lines, 'the defaults')} `{command}` prints all of them."
+    return f"{words}\n\n{table(list(HEAD), markdown_rows(lines))}"
 
 
 def truth(page: ManualPage) -> str:

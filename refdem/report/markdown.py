@@ -7,10 +7,15 @@ import math
 from collections.abc import Sequence
 
 from refdem.core.finding import CaseSheet, EngineSheet, Record
+=======
+from refdem.core.finding import EngineSheet, Record
+from refdem.core.moved import Moved
+>>>>>>> b41p
 from refdem.core.outside import markdown_text
 from refdem.report.contents import Contents, advice, page
 from refdem.report.html import MARKS, span, step, target
 from refdem.report.invariants import KEPT, Summary, law_sheets
+from refdem.report.moved import HEAD, TITLE, markdown_rows, words_of
 from refdem.report.numbers import ABSENT, two
 from refdem.report.overview import MOST_DIGITS, WANTED, advice_text, advised
 from refdem.report.reasons import Findings, Reason, reasons_by_outcome
@@ -37,15 +42,15 @@ def validation(contents: Contents, rows: dict[str, list[Row]], pictures: set[str
     ]
     if "tolerance.svg" in pictures:
         parts.insert(2, "![Error against step, every case, every engine](figures/tolerance.svg)")
+<<<<<<< HEAD
     if _drawn(contents, pictures):
         parts.append(
             "The error of each case below is drawn against the step in figures.md, which the same"
             " command writes beside this page."
         )
-    parts += [
-        _case(sheet.label, sheet.title, sheet.truth_method, sheet.reproduce)
-        for sheet in contents.cases
-    ]
+    for sheet in contents.cases:
+        parts.append(_case(sheet.label, sheet.title, sheet.truth_method, sheet.reproduce))
+        parts.append(_moved(contents.moved.get(sheet.label)))
     return "\n\n".join(part for part in parts if part) + "\n"
 
 
@@ -270,6 +275,14 @@ def _case(label: str, title: str, method: str, reproduce: str) -> str:
     else:
         again = ""
     return f"## {markdown_text(label)}\n\n{markdown_text(title)}. {truth}{again}"
+
+
+def _moved(sheet: Moved | None) -> str:
+    """The table of what each number of an instance moves; empty where nothing was found out."""
+    if sheet is None or not sheet.numbers:
+        return ""
+    words = f"{words_of(sheet, 'these parameters')} All: {markdown_text(sheet.command)}."
+    return f"### {TITLE}\n\n{words}\n\n{table(list(HEAD), markdown_rows(sheet))}"
 
 
 def table(head: list[str], lines: list[list[str]]) -> str:

@@ -12,12 +12,12 @@ from refdem.core.manual import (
     ChapterLine,
     CheckLine,
     ManualPage,
-    MovedLine,
     ParameterLine,
     QuantityLine,
     Slip,
     TruthLine,
 )
+from refdem.core.moved import MovedLine
 from refdem.report import write_manual
 
 NASTY = '<script>alert("x")</script> | *a* [b](c)'
