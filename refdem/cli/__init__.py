@@ -21,7 +21,7 @@ check failed".
 BAD_INPUT = 2
 """Exit status where the input is wrong, as of argparse."""
 BROKEN = 70
-"""refdem itself broke (EX_SOFTWARE of sysexits.h): no verdict on anything."""
+"""Internal error of refdem (EX_SOFTWARE of sysexits.h): no verdict on anything."""
 ENDING = ("SIGTERM", "SIGHUP")
 """Signals by which batch systems, `timeout` and a closed terminal end a program; they end refdem as
 Ctrl-C does.
@@ -66,7 +66,7 @@ def main() -> None:
             ):  # what typer puts there, with status 1, when nobody reads any more
                 sys.exit(UNREAD)
             if end.code == INTERRUPTED:
-                _tell("interrupted; what was finished is kept and will not be run again")
+                _tell("interrupted; finished runs are stored and will not be repeated")
                 status = INTERRUPTED
                 if heard:
                     status = 128 + heard[0]
@@ -114,7 +114,7 @@ def _write_messages_at_once() -> None:
 def _refused_by_the_system(error: OSError) -> None:
     """Ends with one sentence where a file cannot be written or read and refdem is not to blame."""
     if _is_nowhere():
-        _tell("the current folder is not there any more; go to one that is")
+        _tell("the current folder no longer exists; change to an existing folder")
         sys.exit(BAD_INPUT)
     if error.errno not in OF_THE_SYSTEM:
         _broken(error)
@@ -184,7 +184,7 @@ def _broken(error: Exception) -> None:
             print(text, file=sys.stderr)
         where = "the details are above"
     what = f"{type(error).__name__}: {error}"
-    _tell(f"refdem itself broke ({what}); this is no verdict. Please report it: {where}")
+    _tell(f"internal error of refdem ({what}); no verdict was reached. Please report it: {where}")
     sys.exit(BROKEN)
 
 

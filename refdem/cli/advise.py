@@ -29,8 +29,8 @@ def command(
         typer.Argument(
             autocompletion=completion.cases,
             help=(
-                "Cases, also as `pendulum[theta0=2]`, or words that find some, as satellite; or"
-                " give --motion."
+                "Cases, also as `pendulum[theta0=2]`, or search words, as satellite; or give"
+                " --motion."
             ),
         ),
     ] = None,
@@ -96,7 +96,9 @@ def asked(cases: list[str], pairs: list[str], motion: str) -> "Specification":
     if cases:
         return asked_for(labels_found(cases), pairs, "")
     if pairs:
-        raise UsageError("--set came with --motion, whose cases have parameters of their own")
+        raise UsageError(
+            "--set cannot be combined with --motion, whose cases set their own parameters"
+        )
     known = completion.known_motions()
     if motion not in known:
         raise UsageError(f"no motion is named {motion!r}; {nearest(motion, known)}")
@@ -276,11 +278,13 @@ def table(found: "list[Recommendation]") -> list[str]:
         numbers = [text.rjust(width) for text, width in zip(row[2:], widths[2:], strict=True)]
         printed.append("  ".join([*words, *numbers]).rstrip())
     if are_hardest:
-        printed.append("a row a case, for the setting that asks most; --json has every setting")
+        printed.append(
+            "one row per case, for its most demanding setting; --json lists every setting"
+        )
     if any(choice.is_extrapolated for choice in held):
-        printed.append("~ extrapolated by the measured order: no step as small as this ran")
+        printed.append("~ extrapolated with the measured order; no run used a step this small")
     if any(choice.is_coarsest for choice in held):
-        printed.append(">= the largest step that ran: a larger one may do")
+        printed.append(">= the largest step that was run; a larger one may suffice")
     return printed
 
 

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
 TITLE = "Run time against error"
 FEWEST_SPHERES = 100
-"""Spheres of the smallest crowd: fewer spend their time in the calls and not in the contacts."""
+"""Smallest number of spheres: fewer spend their time in the calls and not in the contacts."""
 
 
 # The options of the command, in the order of its help.
@@ -45,7 +45,7 @@ Crowd = Annotated[
     str,
     typer.Option(
         help=(
-            "Measure the cost per body and step in gases of these numbers of spheres, as"
+            "Measure the cost per body and step in gases with these numbers of spheres, as"
             " 1000,10000."
         )
     ),
@@ -55,8 +55,8 @@ Against = Annotated[
     Path | None,
     typer.Option(
         help=(
-            "Compare with the Python of another installation, run in turns with this one, or with"
-            " a bench.json."
+            "Compare with the Python of another installation, with interleaved runs, or with a"
+            " bench.json."
         )
     ),
 ]
@@ -203,7 +203,7 @@ def written(
     words = introduction(record)
     if (rate := false_alarm_rate(record)) is not None:
         words += (
-            " Comparisons of a half of the rounds with the other half raise a false alarm in"
+            " Comparisons of one half of the rounds with the other raise a false alarm in"
             f" {100 * rate:.2g} % of all splits."
         )
     sections = []

@@ -1,4 +1,4 @@
-"""refdem certify: proves the certified store again, or checks that it holds."""
+"""refdem certify: rebuilds the certified store, or verifies it."""
 
 import shlex
 from pathlib import Path
@@ -22,7 +22,8 @@ def command(
         typer.Option(
             "--check",
             help=(
-                "Only check the store: every hash, and a sample of sets proved and witnessed again."
+                "Only check the store: every hash, and a sample of sets proved and cross-checked"
+                " again."
             ),
         ),
     ] = False,

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 SECOND_OPINION = 30.0
 """Run time [s] after which no more known faults are tried where misread numbers explain a run."""
 MAX_TWINS = 5
-"""Nearest twins that are printed: those beyond differ from the run by far more."""
+"""Number of nearest twins that are printed; the others differ far more from the run."""
 
 
 def command(
@@ -91,7 +91,7 @@ def parts_of(record: str) -> tuple[str, str, str]:
     names = rest.split("/")
     if not label or len(names) < 2 or not all(names[:2]):
         raise UsageError(
-            f"record {record!r} is not a name; expected something like"
+            f"record {record!r} is not the name of a finding; expected a name such as"
             " pendulum[theta0=2]/mujoco/euler"
         )
     return label, names[0], names[1]

@@ -56,8 +56,7 @@ def command(
         print("\n".join(lines(matrix)))
     if not matrix.kills:
         raise UsageError(
-            f"nothing was judged: engine {engine} can be given none of the faults that were asked"
-            " for"
+            f"nothing was judged: none of the requested faults applies to engine {engine}"
         )
     has_failed = bool(matrix.survivors() or matrix.alarms)
     raise typer.Exit(int(has_failed))
@@ -84,7 +83,7 @@ def lines(matrix: "Matrix") -> list[str]:
     for alarm in matrix.alarms:
         printed.append(f"ALARM {alarm.id} (seed {alarm.seed}): {alarm.sentence}")
     if matrix.idle():
-        printed.append(f"checks that see none of the faults: {', '.join(matrix.idle())}")
+        printed.append(f"checks that detect none of the faults: {', '.join(matrix.idle())}")
     nearest_first = sorted(matrix.near.items(), key=lambda pair: pair[1])
     near = ", ".join(f"{name} {margin:.1f}" for name, margin in nearest_first)
     printed.append(f"decades between the correct engine and its bounds: {near}")

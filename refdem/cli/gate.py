@@ -1,4 +1,4 @@
-"""refdem gate: a program against truth and against its accepted past."""
+"""refdem gate: compares a program with certified truth and with its accepted baseline."""
 
 import os
 from pathlib import Path
@@ -44,8 +44,8 @@ def command(
         typer.Option(
             "--resolution",
             help=(
-                "Also say which misreading of each number of the scenes the gate would have"
-                " noticed; the program runs some twenty times more for each number."
+                "Also report the smallest misreading of each number of the scenes that the gate"
+                " detects; takes about twenty more runs of the program per number."
             ),
         ),
     ] = False,
@@ -65,9 +65,7 @@ def command(
     from refdem.report.files import written_to
 
     if bless and not why.strip():
-        raise UsageError(
-            "--bless came without --why; say in a few words why these findings are right"
-        )
+        raise UsageError("--bless requires --why: state briefly why these findings are correct")
     for option, file in (("--junit", junit), ("--sarif", sarif), ("--markdown", markdown)):
         refuse_unwritable_file(file, option)
     if out is not None:
@@ -150,8 +148,8 @@ def _bless(gate: "Gate", sheets: "list[Sheet]", why: str) -> None:
     failing = sum(finding.outcome == "fail" for _, finding in findings_of(records))
     if failing:
         print(
-            f"{failing} of them fail, for which no baseline opens the gate: mend the program or a"
-            " claim in its refdem.toml, or say in an [[expected]] there why it deviates"
+            f"{failing} of them fail, which no baseline can accept: correct the program or a claim"
+            " in its refdem.toml, or explain the deviation there in an [[expected]] entry"
         )
 
 

@@ -26,7 +26,7 @@ def command(
 
     for path in written(language, name or name_of(folder), folder):
         print(f"wrote {one_line(str(path))}")
-    print("It works as it stands. Put your own code into the driver, and then run:")
+    print("The files work unchanged. Put your own code into the driver, and then run:")
     if folder.resolve() != Path.cwd():
         print(f"    cd {one_line(shlex.quote(str(folder)))}")
     for line in next_commands(language):

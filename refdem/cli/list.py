@@ -9,7 +9,7 @@ from refdem.errors import UsageError
 
 def command(
     what: Annotated[
-        str, typer.Argument(help="cases, engines or checks; any other word finds cases.")
+        str, typer.Argument(help="cases, engines or checks; any other word searches for cases.")
     ] = "cases",
     about: Annotated[
         list[str] | None, typer.Argument(help="Words that a case is found by, as friction.")
@@ -34,7 +34,8 @@ def command(
     if words:
         if what != "cases":
             raise UsageError(
-                f"list {what} got {' '.join(words)!r}; words find cases only: `refdem list cases`"
+                f"list {what} got {' '.join(words)!r}; search words apply to cases only: `refdem"
+                " list cases`"
             )
         listed = found(" ".join(words))
     if what == "engines":
@@ -63,8 +64,8 @@ def found(text: str) -> list[str]:
     about = discovery.cases_about(text)
     if not about:
         raise UsageError(
-            f"no case is about {text!r}; `refdem list cases` has them all, `refdem list engines`"
-            " and `refdem list checks` the rest"
+            f"no case matches {text!r}; `refdem list cases` lists all, `refdem list engines` and"
+            " `refdem list checks` the rest"
         )
     return about
 

@@ -21,6 +21,6 @@ def command(
 
     for path in written(kind, name, package):
         print(f"wrote {path}")
-    print("It works as it stands. Change it, and then run:")
+    print("The files work unchanged. Edit them, and then run:")
     for line in next_commands(kind, name):
         print(f"    {line}")

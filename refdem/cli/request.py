@@ -1,4 +1,4 @@
-"""refdem request: what a program is asked, with what each line means."""
+"""refdem request: the request that a program receives, with comments."""
 
 from typing import Annotated
 

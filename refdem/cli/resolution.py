@@ -1,4 +1,4 @@
-"""refdem resolution: which misreading of each number of a scene would close the gate."""
+"""refdem resolution: the smallest misreading of each number of a scene that fails the gate."""
 
 from pathlib import Path
 from typing import Annotated
@@ -28,7 +28,7 @@ def command(
     out: Annotated[
         Path | None,
         typer.Option(
-            help="Folder for resolution.md, and of a report whose pages of cases are to tell it."
+            help="Folder for resolution.md, and of the report whose case pages include the result."
         ),
     ] = None,
     jobs: options.Jobs = None,
@@ -79,7 +79,7 @@ def command(
         specification, store, workers(jobs), Progress(), use_store=not no_cache
     )
     if not found:
-        raise UsageError("nothing was measured: no engine that was asked for runs these cases")
+        raise UsageError("nothing was measured: none of the requested engines runs these cases")
     if out is not None:
         page.write(out, found)
     if json:

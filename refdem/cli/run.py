@@ -82,7 +82,7 @@ def command(
 
     start = time.perf_counter()
     if step is not None and steps_per_tau is not None:
-        raise UsageError("--step and --steps-per-tau both came; expected at most one of them")
+        raise UsageError("got both --step and --steps-per-tau; expected at most one of them")
     address = options.scheduler_address(scheduler)
     base = asked_for(case or [], set or [], campaign)
     refuse_partial(base, bless, method or step or steps_per_tau)
@@ -133,9 +133,7 @@ def asked_for(cases: list[str], pairs: list[str], campaign: str) -> "Specificati
 
     given = settings(pairs)
     if not cases and given:
-        raise UsageError(
-            "--set came without a case; name the case, as in `refdem run pendulum --set theta0=2`"
-        )
+        raise UsageError("--set requires a case, as in `refdem run pendulum --set theta0=2`")
     if not cases:
         return named(campaign or "main")
     if campaign:
@@ -157,8 +155,8 @@ def part(whole: "Specification", cases: list[str], given: dict[str, str]) -> "Sp
 
     if given:
         raise UsageError(
-            "--set came with --campaign, whose cases have parameters of their own; leave one of"
-            " them out"
+            "--set cannot be combined with --campaign, whose cases set their own parameters; omit"
+            " one of them"
         )
     chosen = []
     for label in cases:

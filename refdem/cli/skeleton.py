@@ -108,7 +108,7 @@ def written(kind: str, name: str, root: Path) -> list[Path]:
     }
     for path in texts:
         if path.exists():
-            raise UsageError(f"{path} is there already; take another name")
+            raise UsageError(f"{path} exists already; choose another name")
     for path, text in texts.items():
         path.parent.mkdir(exist_ok=True)
         with path.open("x", encoding="utf-8") as file:
@@ -138,9 +138,7 @@ def refuse_bad_name(name: str) -> None:
             " digits, beginning with a letter, words joined by hyphens: bouncing-ball"
         )
     if keyword.iskeyword(name) or name == "external":
-        raise UsageError(
-            f"the name {name!r} is a word that is kept for something else; take another"
-        )
+        raise UsageError(f"the name {name!r} is reserved; choose another")
 
 
 def refuse_other_tree(root: Path) -> None:
@@ -151,8 +149,8 @@ def refuse_other_tree(root: Path) -> None:
         raise UsageError(f"--package {str(root)[:80]!r}: {error.strerror}") from None
     if missing:
         raise UsageError(
-            f"{root} is no tree of refdem, for it has no {missing[0]}; call this in the root of a"
-            " checkout, or name that with --package"
+            f"{root} is not a source tree of refdem: it has no {missing[0]}; run this command in"
+            " the root of a checkout, or name the root with --package"
         )
 
 

@@ -1,4 +1,4 @@
-"""refdem smoke: a few tiny scenes that blame the adapter, not the engine."""
+"""refdem smoke: a few small scenes that test the adapter rather than the engine."""
 
 from typing import Annotated
 

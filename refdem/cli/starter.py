@@ -106,7 +106,7 @@ def written(language: str, name: str, folder: Path) -> list[Path]:
     }
     there = [path for path in texts if path.exists() or path.is_symlink()]
     if there:
-        raise UsageError(f"{one_line(str(there[0]))} is there already; choose another folder")
+        raise UsageError(f"{one_line(str(there[0]))} exists already; choose another folder")
     try:
         for path, text in texts.items():
             path.parent.mkdir(parents=True, exist_ok=True)

@@ -1,4 +1,4 @@
-"""refdem stress: scenes made harder rung by rung, until a code breaks."""
+"""refdem stress: scenes of increasing difficulty, until a method fails."""
 
 import sys
 from pathlib import Path
@@ -38,7 +38,7 @@ def command(
     longest: Annotated[
         float,
         typer.Option(
-            help="Longest forecast run time [s] (for 1e8 steps); longer rungs are not run."
+            help="Longest forecast run time [s] (for 1e8 steps); longer runs are skipped."
         ),
     ] = 5.0,
     timeout: Annotated[

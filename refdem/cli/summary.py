@@ -58,7 +58,7 @@ def lines(sheets: list[Sheet]) -> list[str]:
         printed.append(f"{finding.outcome.upper():6} {one_line(record.id(finding))}")
         printed.append(f"       {one_line(finding.sentence)}")
     if len(broken) > MAX_FINDINGS:
-        printed.append(f"       ... and {len(broken) - MAX_FINDINGS} more; the report has them all")
+        printed.append(f"       ... and {len(broken) - MAX_FINDINGS} more; the report lists all")
     printed += unjudged(sheets)
     counts = Counter[str](finding.outcome for _, finding in findings)
     totals = ", ".join(f"{counts[name]} {name}" for name in WORST_FIRST if counts[name])
@@ -143,7 +143,7 @@ def refused(sheets: Iterable[Sheet], most: int | None = MAX_REASONS) -> list[str
         )
     left_out = len(by_count) - len(printed)
     if left_out:
-        printed.append(f"... and {left_out} more reasons for refusals; the report has them all")
+        printed.append(f"... and {left_out} more reasons for refusals; the report lists all")
     return printed
 
 
@@ -176,6 +176,6 @@ def unjudged(sheets: Iterable[Sheet]) -> list[str]:
     if left_out > 0:
         return [
             *printed[:MAX_FINDINGS],
-            f"... and {left_out} more reasons; the report has them all",
+            f"... and {left_out} more reasons; the report lists all",
         ]
     return printed

@@ -77,7 +77,7 @@ def command(
     from refdem.report.files import written
 
     if step is not None and steps_per_tau is not None:
-        raise UsageError("--step and --steps-per-tau both came; expected at most one of them")
+        raise UsageError("got both --step and --steps-per-tau; expected at most one of them")
     address = options.scheduler_address(scheduler)
     count = workers(jobs)
     progress = Progress()

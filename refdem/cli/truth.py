@@ -84,8 +84,8 @@ def command(
         return
     if not case:
         raise UsageError(
-            "which case? For example `refdem truth pendulum`; `refdem list cases` has them all, and"
-            " `refdem truth --list` those with certified values"
+            "expected a case, for example `refdem truth pendulum`; `refdem list cases` lists all,"
+            " and `refdem truth --list` those with certified values"
         )
     name, of_label = labelled(case)
     chosen = discovery.case(name)
@@ -355,8 +355,8 @@ def announce(truth: "Truth", t: Fraction, digits: int, watch: "Watch") -> float:
         if seconds > DEAR and not is_announced:
             is_announced = True
             watch.say(
-                f"a first forecast of the proof is {rounded(seconds)} of CPU; it is being made"
-                " sharper"
+                f"first estimate of the proof's run time: {rounded(seconds)} of CPU time; the"
+                " estimate is being refined"
             )
 
     with told_to(first_forecast):

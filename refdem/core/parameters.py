@@ -230,7 +230,8 @@ def labelled(label: str) -> tuple[str, dict[str, str]]:
     match = _LABEL.fullmatch(label)
     if not match:
         raise UsageError(
-            f"case {label!r} is not a name; expected something like pendulum or pendulum[theta0=2]"
+            f"case {label!r} is not a valid name; expected a name such as pendulum or"
+            " pendulum[theta0=2]"
         )
     pairs = (match[2] or "").split()
     # `case[name]` is short for `case[member=name]`.

@@ -132,9 +132,7 @@ def write(path: Path, records: list[Record], why: str) -> int:
     nothing was decided.
     """
     if not why.strip():
-        raise UsageError(
-            "--bless came without --why; say in a few words why these findings are right"
-        )
+        raise UsageError("--bless requires --why: state briefly why these findings are correct")
     entries = [
         accepted(record, finding)
         for record, finding in findings_of(records)

@@ -391,7 +391,7 @@ def judged(
         assert resident("VmHWM") - start < MOST_MEMORY
         shown = done.stdout + done.stderr
         assert "Traceback" not in shown
-        assert "refdem itself broke" not in shown
+        assert "internal error of refdem" not in shown
         assert not re.search(r"[\x00-\x08\x0b-\x1f\x7f\u202e]", shown), shown
         assert SECRET not in shown
         reports = [path for path in (tmp_path / "report").rglob("*") if path.is_file()]

@@ -95,7 +95,7 @@ def test_a_word_that_finds_nothing_is_refused():
         (("pendulum", "--motion", "swinging"), "got both"),
         (("--motion", "swiming"), "did you mean 'swinging'"),
         (("--motion", "formula"), "no motion is named"),
-        (("--motion", "swinging", "--set", "theta0=1"), "parameters of their own"),
+        (("--motion", "swinging", "--set", "theta0=1"), "set their own parameters"),
     ],
 )
 def test_a_question_that_makes_no_sense_is_refused(arguments, message):
@@ -192,4 +192,4 @@ def test_of_more_settings_than_fit_a_screen_each_case_shows_the_one_that_asks_mo
     assert len(few) == 1 + MOST_ROWS
     grouped = table(recommendations([*many, choice("b", 1, 0.5)]))
     assert [line.split()[0] for line in grouped[1:3]] == [f"a[mass={MOST_ROWS}]", "b[mass=1]"]
-    assert grouped[3].startswith("a row a case")
+    assert grouped[3].startswith("one row per case")

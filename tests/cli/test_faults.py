@@ -25,7 +25,7 @@ def test_it_prints_a_row_a_fault_with_what_killed_it_and_what_else_saw_it():
     assert killer.endswith("constraint/length")
     assert "error" in others.split(", ")
     assert "2 faults at 1 seeds: 2 of 2 killed, 0 alarms" in done.output
-    assert "checks that see none of the faults: " in done.output
+    assert "checks that detect none of the faults: " in done.output
 
 
 def test_programs_read_it_as_json():

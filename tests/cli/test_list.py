@@ -29,9 +29,9 @@ def test_a_word_alone_finds_cases_too():
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
-        (("cases", "teapot"), "no case is about 'teapot'"),
-        (("engines", "friction"), "list engines got 'friction'; words find cases only"),
-        (("teapot",), "no case is about 'teapot'"),
+        (("cases", "teapot"), "no case matches 'teapot'"),
+        (("engines", "friction"), "list engines got 'friction'; search words apply to cases only"),
+        (("teapot",), "no case matches 'teapot'"),
     ],
 )
 def test_a_question_without_an_answer_is_refused(arguments, message):

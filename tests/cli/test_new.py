@@ -84,7 +84,7 @@ def test_one_file_in_the_way_keeps_all_from_being_written(
     before = files(tree)
     done = command_line("new", kind, "one", "--package", str(tree))
     assert done.returncode == 2
-    assert "is there already" in done.stderr
+    assert "exists already" in done.stderr
     assert files(tree) == before
 
 
@@ -113,7 +113,7 @@ def test_a_folder_that_is_no_tree_is_refused(tmp_path: Path, command_line: Run) 
     for folder in (tmp_path, tmp_path / "nowhere"):
         done = command_line("new", "case", "one", "--package", str(folder))
         assert done.returncode == 2
-        assert f"{folder} is no tree of refdem" in done.stderr
+        assert f"{folder} is not a source tree of refdem" in done.stderr
     assert files(tmp_path) == set()
 
 
@@ -132,4 +132,4 @@ def test_a_case_in_a_folder_of_its_own_and_a_method_in_another_file_are_taken(
     for kind, name in (("case", "many"), ("kernel", "one")):
         done = command_line("new", kind, name, "--package", str(tree))
         assert done.returncode == 2
-        assert "take another name" in done.stderr
+        assert "choose another" in done.stderr

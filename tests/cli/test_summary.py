@@ -51,5 +51,5 @@ def test_of_many_reasons_the_most_frequent_are_told_and_the_others_counted():
     assert told[0].endswith(
         f"(m0, m1, m2, m3 and {MAX_REASONS - 2} more; a): Reason {MAX_REASONS + 1}."
     )
-    assert told[-1] == "... and 2 more reasons for refusals; the report has them all"
+    assert told[-1] == "... and 2 more reasons for refusals; the report lists all"
     assert len(refused(sheets, most=None)) == MAX_REASONS + 2

@@ -233,7 +233,7 @@ def test_a_record_is_named_as_its_findings_are(record, parts):
     "record", ["pendulum", "pendulum/mujoco", "/mujoco/euler", "pendulum//euler"]
 )
 def test_a_record_that_is_no_name_is_refused(record):
-    with pytest.raises(UsageError, match="expected something like"):
+    with pytest.raises(UsageError, match="expected a name such as"):
         parts_of(record)
 
 

@@ -152,7 +152,7 @@ def test_a_file_that_is_there_is_not_overwritten(tmp_path: Path, refdem: Command
     (tmp_path / "driver.py").write_text("mine")
     done = refdem("init", cwd=tmp_path)
     assert done.returncode == 2
-    assert "driver.py is there already; choose another folder" in done.stderr
+    assert "driver.py exists already; choose another folder" in done.stderr
     assert [path.name for path in tmp_path.iterdir()] == ["driver.py"]
 
 
