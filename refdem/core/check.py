@@ -12,7 +12,9 @@ from refdem.core import refinement
 from refdem.core.case import Instance
 from refdem.core.engine import UNEQUAL_MOMENTS, Method
 from refdem.core.finding import Finding
+from refdem.core.parameters import Parameters
 from refdem.core.problem import Motion, Problem
+from refdem.core.scene_numbers import CaseNumber
 from refdem.core.trajectory import Cost, Trajectory
 from refdem.core.truth import SampledTruth
 from refdem.core.variant import Variant
@@ -27,7 +29,8 @@ class Subject:
 
     `levels` are the refinement levels, coarse to fine: steps [s], or tolerances. `truth` is None
     where nothing is certified, `truth_reason` says why. `unsupported(motion)` is the reason why the
-    method cannot run that motion, or None.
+    method cannot run that motion, or None. `derivatives(subject, times)` proves the derivatives of
+    the quantities at times [s]; it raises NotCertifiedError where there are none.
     """
 
     instance: Instance
@@ -36,6 +39,7 @@ class Subject:
     truth: SampledTruth | None
     truth_reason: str = ""
     unsupported: Callable[[Motion], str | None] = lambda motion: None
+    derivatives: "Callable[[Subject, tuple[float, ...]], CertifiedMatrix] | None" = None
 
     @property
     def finest(self) -> Variant:
@@ -137,6 +141,20 @@ def _may_tumble(scene: Scene) -> bool:
         return False
     moments = scene.bodies.inertia[~scene.bodies.fixed]
     return bool(np.any(moments != moments[:, :1]))
+
+
+@dataclass(frozen=True, eq=False)
+class CertifiedMatrix:
+    """Certified derivatives of the quantities of a case by its numbers at some times, (value,
+    radius) in `of[time][quantity][number]`.
+
+    `numbers` are all numbers of the case, `p` its parameters as these find them; by those that are
+    not in `of` there is no derivative.
+    """
+
+    p: Parameters
+    numbers: tuple[CaseNumber, ...]
+    of: tuple[Mapping[str, Mapping[str, tuple[float, float]]], ...]
 
 
 @dataclass(frozen=True, eq=False)

@@ -42,6 +42,8 @@ class Method:
     and at walls; a run without them is then held to truth as well.
     answers: the kind of questions that the method is for.
     threads: `Request.threads` may be above 1, and any number of threads gives the same bits.
+    differentiates: a run comes with the derivatives of its states by numbers of the scene, where
+    `Request.sensitivities` names some.
     as_shipped: the engine's own defaults are left alone, as a user meets them who says the scene
     and no more. It runs where a campaign asks for it (`as_shipped = true`), or by its name.
     knows: for questions without time, the features that it can answer; it leaves out others.
@@ -74,6 +76,7 @@ class Method:
     tells: frozenset[str] = frozenset()
     deterministic: bool = True
     threads: bool = False
+    differentiates: bool = False
     as_shipped: bool = False
     cost_rank: int = 0
     answers: str = "motion"

@@ -125,6 +125,19 @@ class RequestDocument(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_
         ]
         | msgspec.UnsetType
     ) = msgspec.UNSET
+    sensitivities: (
+        Annotated[
+            list[str],
+            Meta(
+                description=(
+                    "keys of numbers of the scene, such as scene.bodies.0.mass, by which the"
+                    " states are to be differentiated; asked only of a method that"
+                    " `differentiates`"
+                )
+            ),
+        ]
+        | msgspec.UnsetType
+    ) = msgspec.UNSET
 
 
 class OtherRequestDocument(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
@@ -154,7 +167,8 @@ class Request:
     """One run: a problem, the name of the method, and its step [s] (size only) or tolerance.
 
     Exact methods have neither. `repeat` numbers requests that are otherwise equal; `threads` are
-    asked for of methods that claim the same bits for any number of them.
+    asked for of methods that claim the same bits for any number of them. `sensitivities` are keys
+    of numbers of the scene by which the states are to be differentiated.
     """
 
     problem: Problem
@@ -163,6 +177,7 @@ class Request:
     tolerance: float | None = None
     repeat: int = 0
     threads: int = 1
+    sensitivities: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
         if self.threads < 1:
@@ -201,6 +216,7 @@ class Request:
             step=document.step,
             tolerance=document.tolerance,
             threads=document.threads or 1,
+            sensitivities=tuple(document.sensitivities or ()),
         )
         if document.stride is not None and document.stride != request._told_stride:
             raise UsageError(
@@ -309,6 +325,9 @@ class Request:
         threads: int | msgspec.UnsetType = msgspec.UNSET
         if self.threads > 1:
             threads = self.threads
+        sensitivities: list[str] | msgspec.UnsetType = msgspec.UNSET
+        if self.sensitivities:
+            sensitivities = list(self.sensitivities)
         return RequestDocument(
             method=self.method,
             step=self.step,
@@ -317,6 +336,7 @@ class Request:
             times=self.problem.times.tolist(),
             scene=self.problem.scene.document(most_listed),
             threads=threads,
+            sensitivities=sensitivities,
         )
 
     def key(self, *fingerprints: str) -> str:

@@ -48,7 +48,9 @@ class Trajectory:
 
     Attitude and omega of points are (1, 0, 0, 0) and 0. The answer to a question without a scene
     has no bodies, and `values` (T, ...) by name instead, at the samples t (T,) that were asked for.
-    Raises EngineError, naming the place, if a shape is wrong or a number is not finite.
+    `derivatives` (T, N, 13) are those of position, velocity, attitude and omega by numbers of the
+    scene, by their keys, where a request asks for them. Raises EngineError, naming the place, if a
+    shape is wrong or a number is not finite.
     """
 
     t: Array
@@ -59,6 +61,7 @@ class Trajectory:
     channels: dict[str, Array] = field(default_factory=dict)
     events: tuple[Event, ...] = ()
     values: dict[str, Array] = field(default_factory=dict)
+    derivatives: dict[str, Array] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         """Raises EngineError for a wrong shape, an unknown channel, or a number not finite."""
@@ -80,6 +83,8 @@ class Trajectory:
             _refuse(f"channels[{name}]", values, (count, *values.shape[1:]))
         for name, values in self.values.items():
             _refuse(f"values[{name}]", values, (count, *values.shape[1:]))
+        for name, values in self.derivatives.items():
+            _refuse(f"derivatives[{name}]", values, (count, bodies, 13))
 
     @classmethod
     def of_points(cls, t: Array, position: Array, velocity: Array, **more: Any) -> "Trajectory":
@@ -121,6 +126,8 @@ class Trajectory:
         packed = {"arrays": arrays, "channels": channels, "events": self.events}
         if self.values:
             packed["values"] = {name: _packed(values) for name, values in self.values.items()}
+        if self.derivatives:
+            packed["derivatives"] = {name: _packed(of) for name, of in self.derivatives.items()}
         return msgspec.msgpack.encode(packed)
 
     @classmethod
@@ -130,7 +137,14 @@ class Trajectory:
         arrays = {name: _unpacked(*value) for name, value in packed.arrays.items()}
         channels = {name: _unpacked(*value) for name, value in packed.channels.items()}
         values = {name: _unpacked(*value) for name, value in packed.values.items()}
-        return cls(channels=channels, events=packed.events, values=values, **arrays)
+        derivatives = {name: _unpacked(*value) for name, value in packed.derivatives.items()}
+        return cls(
+            channels=channels,
+            events=packed.events,
+            values=values,
+            derivatives=derivatives,
+            **arrays,
+        )
 
 
 STATE = ("position", "velocity", "attitude", "omega")
@@ -143,6 +157,7 @@ class _Packed(msgspec.Struct):
     channels: dict[str, tuple[list[int], bytes]]
     events: tuple[Event, ...]
     values: dict[str, tuple[list[int], bytes]] = {}
+    derivatives: dict[str, tuple[list[int], bytes]] = {}
 
 
 def _packed(values: Array) -> tuple[list[int], bytes]:

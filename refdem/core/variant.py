@@ -7,6 +7,7 @@ Change = Literal[
     "none",
     "repeated",
     "threads",
+    "differentiated",
     "reversed",
     "backward",
     "perturbed",
@@ -25,7 +26,8 @@ Change = Literal[
 class Variant:
     """A refinement level (step [s] or tolerance; 0 for exact methods) and at most one change of it.
 
-    repeated: the same request again. threads: the same on `amount` threads. reversed: on from the
+    repeated: the same request again. threads: the same on `amount` threads.
+    differentiated: the same with its derivatives. reversed: on from the
     end with velocities flipped. backward: on from the end with negative steps. perturbed: the start
     moved by `amount` units in the last place. denser_output: `amount` times the samples. The others
     are symmetries (core/symmetry.py).

@@ -14,6 +14,7 @@ from refdem.faults.outlines import linear_flow
 from refdem.faults.parts import Parts
 from refdem.faults.positional import CORRECT_POSITIONAL
 from refdem.faults.rolling import CORRECT_ROLLING
+from refdem.faults.tangent import CORRECT_TANGENT
 from refdem.mechanics import vectors as vec
 from refdem.mechanics.vectors import Number, Quaternion, Vector
 from refdem.scene.element import Element, Field, Link
@@ -303,6 +304,7 @@ CORRECT = Parts(
     holding=CORRECT_HOLDING,
     impacts=CORRECT_IMPACTS,
     rolling=CORRECT_ROLLING,
+    tangent=CORRECT_TANGENT,
     verlet_kicks=(0.5, 0.5),
     suzuki=(S4, S4, 1.0 - 4.0 * S4, S4, S4),
     rk4_nodes=(0.5, 0.5, 1.0),

@@ -64,6 +64,15 @@ class RollingParts:
     slips_on: Callable[[Vector, Vector], Number]
 
 
+@dataclass(frozen=True, kw_only=True)
+class TangentParts:
+    """The parts of a motion that is differentiated, by name."""
+
+    time_to_impact: Callable[[Any], Any]
+    time_left: Callable[[Any, Any], Any]
+    told: Callable[[Any, Any], Any]
+
+
 class LoadsOfState(Protocol):
     """The loads of a state that was reached from one with the loads `before` in a step of h [s]."""
 
@@ -131,6 +140,7 @@ class Parts:
     holding: HoldingParts
     impacts: ImpactParts
     rolling: RollingParts
+    tangent: TangentParts
     verlet_kicks: tuple[float, float]
     suzuki: tuple[float, ...]
     rk4_nodes: tuple[float, ...]

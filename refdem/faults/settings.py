@@ -492,6 +492,15 @@ DROP: Rows = (
 """A ball that is thrown sideways and slides in its first bounces."""
 ELASTIC_DROP: Rows = (*DROP, ("restitution", "1"), ("friction", "0"))
 """The same without friction and without a loss."""
+SPINNING_DROP: Rows = (
+    *DROP,
+    ("friction", "0"),
+    ("spin", signed(1, 2)),
+    ("radius", between(0.375, 0.75)),
+)
+"""The same without friction, of a ball that spins."""
+SMOOTH_REBOUND: Rows = (*REBOUND, ("friction", "0"))
+"""A rigid sphere that meets a smooth wall."""
 SKID: Rows = (
     ("mass", between(0.75, 1.5)),
     ("radius", between(0.375, 0.75)),
@@ -621,6 +630,7 @@ TOUCHING = ("verlet", "verlet-single")
 HELD = ("verlet", "suzuki", "verlet-single")
 DAMPED = ("euler", "verlet", "rk4", "verlet-single")
 ITERATED = ("iterated",)
+DIFFERENTIATED = ("verlet-tangent",)
 SETTINGS: Mapping[str, Setting] = {
     "tumbler": Setting("free-rigid-body", TUMBLER, SMOOTH),
     "flipper": Setting("intermediate-axis", FLIPPER, SMOOTH),
@@ -676,6 +686,9 @@ SETTINGS: Mapping[str, Setting] = {
     "elastic-cradle": Setting("newtons-cradle", ELASTIC_CRADLE, TOUCHING),
     "elastic-drop": Setting("bouncing-ball", ELASTIC_DROP, TOUCHING),
     "drop": Setting("bouncing-ball", DROP, TOUCHING),
+    "differentiated-drop": Setting("bouncing-ball", SPINNING_DROP, DIFFERENTIATED),
+    "differentiated-wall": Setting("hard-wall", SMOOTH_REBOUND, DIFFERENTIATED),
+    "differentiated-oscillator": Setting("harmonic-oscillator", HANGING, DIFFERENTIATED),
     "skid": Setting("rolling", SKID, TOUCHING),
     "ramp": Setting("rolling", RAMP, TOUCHING),
     "chute": Setting("rolling", CHUTE, TOUCHING),

@@ -13,6 +13,7 @@ from refdem.core import fingerprint
 from refdem.core.engine import Engine, Method
 from refdem.core.problem import Ensemble, Iteration, Motion, Problem, Request
 from refdem.core.trajectory import Cost, Event, Trajectory
+from refdem.faults import tangent
 from refdem.faults.correct_parts import CORRECT
 from refdem.faults.events import advance, first_modes, stored_energy
 from refdem.faults.holding import rod_forces
@@ -101,6 +102,11 @@ METHODS = (
         precision="single",
         **_VERLET,
     ),
+    Method(
+        name="verlet-tangent",
+        summary="velocity Verlet in dual numbers, cut at impacts; it differentiates",
+        **(_VERLET | SUMMED | {"backward": False, "differentiates": True}),
+    ),
 )
 LINEAR = frozenset({"spring", "dashpot", "dimension:1"})
 
@@ -131,9 +137,14 @@ class Transparent(Engine):
 
     def unsupported_motion(self, problem: Motion, method: Method) -> str | None:
         """None for what the method's step can do."""
-        scene = problem.scene
         if method.name in ("iterated", "carried"):
             return "cannot run a motion"
+        if method.differentiates:
+            return tangent.refused(problem.scene)
+        return self._unsupported_scene(problem.scene, method)
+
+    def _unsupported_scene(self, scene: Scene, method: Method) -> str | None:
+        """None for the scenes of methods whose parts are those of `Parts`."""
         for element in scene.elements:
             if reason := _refused(element):
                 return reason
@@ -179,6 +190,8 @@ class Transparent(Engine):
         if isinstance(request.problem, Ensemble):
             return carried(request.problem, self.parts.flow), Cost(seconds=perf_counter() - begun)
         method = self.method(request.method)
+        if method.differentiates:
+            return tangent.run(request, self.parts)
         scene = request.problem.scene
         times = request.problem.times
         number = PRECISIONS[method.precision]

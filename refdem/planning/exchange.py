@@ -30,6 +30,7 @@ from refdem.core.outside import one_line, opened
 from refdem.core.problem import Motion, Request
 from refdem.core.reading import content, json_as
 from refdem.core.request_text import request_text
+from refdem.core.sensitivities_csv import with_sensitivities
 from refdem.core.store import Store
 from refdem.core.trajectory import Cost, Trajectory
 from refdem.engines.external import External
@@ -147,6 +148,9 @@ class Elsewhere(Engine):
             self.lines.append(line_of(name, request.method, paths))
             raise EngineError(f"{name}/trajectory.csv has not come back")
         trajectory = read_answer(request.problem, folder / "trajectory.csv", folder / "events.csv")
+        trajectory = with_sensitivities(
+            trajectory, folder / FILES["sensitivities"], request.sensitivities
+        )
         if request.step:
             steps = request.stride * (len(request.problem.times) - 1)
         else:

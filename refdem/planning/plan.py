@@ -24,6 +24,7 @@ from refdem.core.trajectory import Trajectory
 from refdem.core.truth import SampledTruth
 from refdem.core.variant import Variant
 from refdem.errors import EngineMissingError, UsageError
+from refdem.planning.certified_matrix import asked_numbers, certified_matrix
 from refdem.planning.specification import Specification
 
 ESCAPES = "the motion is infinite before"
@@ -241,7 +242,14 @@ def subjects(specification: Specification, instance: Instance, engine: Engine) -
                     f" {duration_in_tau:.3g} times the shortest time tau; shorten the duration"
                 )
         refusal = partial(_unsupported, engine, method)
-        subject = Subject(instance, method, levels, None, unsupported=refusal)
+        subject = Subject(
+            instance,
+            method,
+            levels,
+            None,
+            unsupported=refusal,
+            derivatives=certified_matrix,
+        )
         of_methods.append((subject, unsupported))
     return of_methods
 
@@ -377,6 +385,8 @@ def request(
         return replace(plain, repeat=1)
     if variant.change == "threads":
         return replace(plain, threads=variant.amount)
+    if variant.change == "differentiated":
+        return replace(plain, sensitivities=asked_numbers(task.subject.instance))
     if variant.change == "perturbed":
         return replace(plain, problem=problem.perturbed(variant.amount))
     if not isinstance(problem, Motion):

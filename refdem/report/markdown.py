@@ -42,7 +42,6 @@ def validation(contents: Contents, rows: dict[str, list[Row]], pictures: set[str
     ]
     if "tolerance.svg" in pictures:
         parts.insert(2, "![Error against step, every case, every engine](figures/tolerance.svg)")
-<<<<<<< HEAD
     if _drawn(contents, pictures):
         parts.append(
             "The error of each case below is drawn against the step in figures.md, which the same"

@@ -72,6 +72,7 @@ class External(ProgramEngine):
             "core/trajectory_csv.py",
             "core/trajectory_npy.py",
             "core/answer_csv.py",
+            "core/sensitivities_csv.py",
             "core/static_problems.py",
             "scene",
         )

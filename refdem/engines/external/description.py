@@ -79,6 +79,14 @@ class MethodTable(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fiel
         ),
     ] = False
 
+    differentiates: Annotated[
+        bool,
+        said(
+            "a request may name numbers of the scene as `sensitivities`; the program then writes"
+            " the derivatives of its states by them to {sensitivities}"
+        ),
+    ] = False
+
     def method(self, engine: "EngineTable") -> Method:
         """The method as the checks know it; a staggered one cannot go on from its end state, and
         mass properties have no step.
@@ -115,7 +123,7 @@ class EngineTable(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fiel
         said(
             "argv, run in an empty folder; {request} {request_txt} {trajectory} {events} stand for"
             " files, events as CSV time,kind,body; {trajectory_npy} for a trajectory as an array"
-            " in NumPy's format"
+            " in NumPy's format, {sensitivities} for derivatives as CSV"
         ),
     ]
     methods: list[MethodTable]

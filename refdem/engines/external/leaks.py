@@ -124,7 +124,8 @@ def _difference(first: Trajectory, second: Trajectory) -> str:
 def _numbers(trajectory: Trajectory) -> dict[str, Array]:
     """All arrays of a trajectory by name."""
     channels = {f"channels.{name}": values for name, values in trajectory.channels.items()}
-    return {"t": trajectory.t} | trajectory.columns() | channels
+    derivatives = {f"derivatives[{key}]": of for key, of in trajectory.derivatives.items()}
+    return {"t": trajectory.t} | trajectory.columns() | channels | derivatives
 
 
 def _bits(values: Array) -> NDArray[np.int64]:

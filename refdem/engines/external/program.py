@@ -15,6 +15,7 @@ from refdem.core.engine import Stages
 from refdem.core.outside import one_line, put_new
 from refdem.core.problem import Request
 from refdem.core.request_text import request_text
+from refdem.core.sensitivities_csv import with_sensitivities
 from refdem.core.trajectory import Cost, Trajectory
 from refdem.engines.external.description import EngineTable
 from refdem.engines.external.folders import MOST_TRIES, run_folder
@@ -29,6 +30,7 @@ FILES = {
     "trajectory": "trajectory.csv",
     "trajectory_npy": "trajectory.npy",
     "events": "events.csv",
+    "sensitivities": "sensitivities.csv",
 }
 KEPT = " (request and output are kept in"
 """What follows the failure in an error, with the folder."""
@@ -131,6 +133,7 @@ class Program:
         result = yield partial(ended, command, folder, name=self.table.name, limits=limits)
         seconds = result()
         trajectory = read_answer(request.problem, paths["trajectory"], paths["events"])
+        trajectory = with_sensitivities(trajectory, paths["sensitivities"], request.sensitivities)
         return trajectory, Cost(seconds=seconds, steps=steps_of(request))
 
     def memory(self) -> int:
@@ -169,7 +172,8 @@ def written(request: Request, folder: Path) -> dict[str, Path]:
 
 def most_bytes(request: Request) -> int:
     """Bytes of each file that a program may write for a request."""
-    return SPARE + ROW * most_rows(request.problem)
+    files = 1 + len(request.sensitivities)
+    return SPARE + ROW * files * most_rows(request.problem)
 
 
 def steps_of(request: Request) -> int:

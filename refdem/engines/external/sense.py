@@ -21,7 +21,14 @@ MOST_MEMORY = 1e6
 MOST_LEVELS = 10
 """Levels that a gate may ask for: ten halvings make the finest run 1000 times as long as the first.
 """
-PLACEHOLDERS = ("request", "request_txt", "trajectory", "trajectory_npy", "events")
+PLACEHOLDERS = (
+    "request",
+    "request_txt",
+    "trajectory",
+    "trajectory_npy",
+    "events",
+    "sensitivities",
+)
 """Names in braces that stand for files in a command."""
 PLACEHOLDER = re.compile(r"\{(\w+)\}")
 NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9._+-]{0,63}")

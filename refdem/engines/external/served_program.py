@@ -11,6 +11,7 @@ from refdem.core.answer_csv import read_answer
 from refdem.core.engine import Stages
 from refdem.core.outside import put_new
 from refdem.core.problem import Request
+from refdem.core.sensitivities_csv import with_sensitivities
 from refdem.core.trajectory import Cost, Trajectory
 from refdem.engines.external.folders import run_folder
 from refdem.engines.external.leaks import Answer, Sample, difference, words
@@ -159,4 +160,6 @@ def answered(asked: Asked, reply: Reply) -> Answer:
         return Answer(trajectory=None, refusal=reason)
     paths = asked.paths
     problem = asked.request.problem
-    return Answer(trajectory=read_answer(problem, paths["trajectory"], paths["events"]))
+    trajectory = read_answer(problem, paths["trajectory"], paths["events"])
+    asked_for = asked.request.sensitivities
+    return Answer(trajectory=with_sensitivities(trajectory, paths["sensitivities"], asked_for))

@@ -1,0 +1,275 @@
+"""Derivatives that a program answers with, against the certified derivatives of a case.
+
+A program differentiates the states x that it reports by numbers s of its scene. With the numbers p
+of the case this is a matrix of its quantities q,
+
+    D_qp = dq/dp = sum over s of dq/dx dx/ds ds/dp + dq/dp at fixed x   (core/scene_numbers.py).
+
+Each column is judged in units of its own size G_p = max |D_qp| / scale_q so far, the largest of any
+quantity at any sample up to then. The derivatives of a method of order p are those of the equations
+of first variation by the same method, so that they have its order: the error of a column is at most
+
+    PREDICTION_FACTOR bound(h) G_p,
+
+and where the error falls as h^p, what the last halvings of the step change tells it as it does for
+a state (checks/error.py): e(h/2) = |D(h) - D(h/2)| / (2^p - 1).
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+
+from refdem.checks._crossings import crossings, has_crossings
+from refdem.checks.order import lack
+from refdem.core.check import Array, CertifiedMatrix, Check, CompletedRun, Subject
+from refdem.core.finding import Finding
+from refdem.core.judgement import (
+    ATTITUDE,
+    PREDICTION_FACTOR,
+    SMALL,
+    Sight,
+    certified,
+    judged,
+    no_truth,
+    observed_order,
+    order_statement,
+    undecided,
+)
+from refdem.core.refinement import COUNTING_FLOOR, kinked, scored
+from refdem.core.scene_numbers import observed_slopes, scene_rates
+from refdem.core.truth import SampledTruth
+from refdem.core.variant import Variant
+from refdem.errors import NotCertifiedError
+
+MOST_BODIES = 100
+"""Bodies of a scene up to which derivatives are asked for."""
+PARTS = (0.25, 0.5, 0.75, 1.0)
+"""Parts of the certified motion after which derivatives are judged."""
+DIFFERENCES = 2.0**-36
+"""Relative error of the differences by which scene and quantities are differentiated: 2^-43, by
+cancellation up to a hundred times as much.
+"""
+FELT = 2.0**-10
+"""Size of a column, in scales a part of the number, below which a number is not felt: its
+derivatives are then judged on the scale of a number that changes quantities by so much.
+"""
+TOLERANCE = 0.5
+"""Deficit of the order of derivatives that is allowed. Terms of higher order are larger in
+derivatives than in states, and a derivative of lower order lacks a whole order.
+"""
+
+
+@dataclass(frozen=True, eq=False)
+class Column:
+    """The derivatives by one number of the case in units of their size, at the judged samples.
+
+    `errors` and `slopes` (levels, quantities, samples) are those of every level, `floor` (samples,)
+    is what rounding may leave.
+    """
+
+    number: str
+    quantities: tuple[str, ...]
+    errors: Array
+    slopes: Array
+    floor: Array
+
+
+class Gradient(Check):
+    """Every derivative that a method answers with is the certified one, to the order of the
+    method.
+    """
+
+    name = "gradient"
+    title = "Derivatives"
+    kills = (
+        "a derivative without that of the impact time, with the wrong sign or unit, of another"
+        " number, or of the step before"
+    )
+    synchronous = True
+
+    def applies(self, subject: Subject) -> str | None:
+        """Methods in double precision that differentiate, and scenes of few bodies."""
+        if not subject.method.differentiates:
+            return "the method does not differentiate"
+        if subject.method.precision != "double":
+            return "derivatives are judged in double precision only"
+        if len(subject.instance.scene.bodies) > MOST_BODIES:
+            return f"derivatives are asked for of at most {MOST_BODIES} bodies"
+        return None
+
+    def needs(self, subject: Subject) -> tuple[Variant, ...]:
+        """Every level with its derivatives."""
+        return tuple(Variant(level, "differentiated") for level in subject.levels)
+
+    def judge(self, subject: Subject, runs: Mapping[Variant, CompletedRun]) -> list[Finding]:
+        """One finding on the size of the errors, and one on their order where they show one."""
+        truth = certified(subject)
+        if truth is None or subject.derivatives is None:
+            return [undecided(self.name, "matrix", no_truth(subject))]
+        samples = _samples(subject, truth)
+        if not samples:
+            why = "no sample before the predictability horizon is clear of events"
+            return [undecided(self.name, "matrix", why)]
+        try:
+            times = tuple(float(subject.instance.times[n]) for n in samples)
+            matrix = subject.derivatives(subject, times)
+        except NotCertifiedError as error:
+            return [undecided(self.name, "matrix", str(error))]
+        columns = _columns(subject, runs, truth, samples, matrix)
+        if not columns:
+            return [undecided(self.name, "matrix", "no derivative is certified at these numbers")]
+        findings = [self._matrix(subject, columns, samples)]
+        order = self._order(subject, columns)
+        if order is not None:
+            findings.append(order)
+        return findings
+
+    def _matrix(
+        self, subject: Subject, columns: Sequence[Column], samples: Sequence[int]
+    ) -> Finding:
+        """The finding on the derivative that is furthest out of its bound at the finest level."""
+        claimed = PREDICTION_FACTOR * subject.bound(subject.levels[-1])[list(samples)]
+        worst: tuple[float, float, float, str] | None = None
+        for column in columns:
+            allowed = _allowed(subject, column, claimed)
+            share = np.max(column.errors[-1] / allowed, axis=0)
+            sample = int(np.argmax(share))
+            quantity = int(np.argmax(column.errors[-1][:, sample]))
+            derivative = f"derivative of {column.quantities[quantity]} by {column.number}"
+            what = (
+                f"The error of the {derivative} at"
+                f" {subject.instance.times[samples[sample]]:.6g} s, in units of the largest"
+                " derivative by that number,"
+            )
+            entry = (
+                float(share[sample]),
+                float(column.errors[-1][quantity, sample]),
+                float(allowed[sample]),
+                what,
+            )
+            if worst is None or entry[0] > worst[0]:
+                worst = entry
+        assert worst is not None
+        _, value, bound, what = worst
+        return judged(
+            check=self.name,
+            quantity="matrix",
+            value=value,
+            bound=bound,
+            unit="1",
+            basis="the claimed order, and what the last halvings of the step change",
+            what=what,
+            sight=Sight(bound, 1.0),
+        )
+
+    def _order(self, subject: Subject, columns: Sequence[Column]) -> Finding | None:
+        """The finding on the order of the largest error of any derivative; None where no two levels
+        have errors that show one.
+        """
+        if subject.method.control != "step" or _scatters(subject):
+            return None
+        largest = np.max([np.max(column.errors, axis=(1, 2)) for column in columns], axis=0)
+        floor = max(float(np.max(column.floor)) for column in columns)
+        usable = [e for e in largest.tolist() if COUNTING_FLOOR * floor < e < SMALL]
+        if len(usable) < 2:
+            return None
+        orders = [observed_order(coarse, fine) for coarse, fine in pairwise(usable)]
+        claimed = subject.order
+        deficit = lack(orders, claimed)
+        statement = order_statement(
+            orders[-1], claimed, deficit, TOLERANCE, "largest error of any derivative"
+        )
+        return judged(
+            check=self.name,
+            quantity="order",
+            value=deficit,
+            bound=TOLERANCE,
+            unit="1",
+            basis="derivatives of a method have its order",
+            statement=statement,
+            order_seen=orders[-1],
+            order_claimed=float(claimed),
+        )
+
+
+def _scatters(subject: Subject) -> bool:
+    """True if kinks scatter the error from step to step."""
+    return kinked(subject.instance, subject.method) and not subject.method.locates_events
+
+
+def _samples(subject: Subject, truth: SampledTruth) -> list[int]:
+    """The samples at which derivatives are judged: those nearest before PARTS of the motion up to
+    the horizon that no event comes within a step of.
+    """
+    count = scored(subject.bound(subject.levels[-1]))
+    times = subject.instance.times
+    margin = abs(float(subject.instance.problem.interval)) / 8
+    if subject.method.control == "step":
+        margin = max(margin, subject.levels[0])
+    events: list[float] = []
+    if has_crossings(subject.instance.scene):
+        known = crossings(subject, truth).values()
+        events = [crossing.time for of_kind in known for crossing in of_kind]
+    chosen = []
+    for part in PARTS:
+        sample = round(part * (count - 1))
+        while sample > 0 and any(abs(times[sample] - event) <= margin for event in events):
+            sample -= 1
+        if sample > 0:
+            chosen.append(sample)
+    return sorted(set(chosen))
+
+
+def _columns(
+    subject: Subject,
+    runs: Mapping[Variant, CompletedRun],
+    truth: SampledTruth,
+    samples: Sequence[int],
+    matrix: CertifiedMatrix,
+) -> list[Column]:
+    """The column of every number of the case by which derivatives are certified."""
+    rounding = subject.floor(subject.levels[-1]) * truth.growth()[list(samples)] + DIFFERENCES
+    columns = []
+    for number in matrix.numbers:
+        rates = scene_rates(subject.instance, matrix.p, number)
+        proved = [of_time for of_time in matrix.of if number.name in next(iter(of_time.values()))]
+        if rates is None or len(proved) < len(samples):
+            continue
+        told = []
+        for level in subject.levels:
+            run = runs[Variant(level, "differentiated")].trajectory
+            told.append(observed_slopes(subject.instance, matrix.p, number, run, rates))
+        names = tuple(name for name in told[0] if name in matrix.of[0] and name not in ATTITUDE)
+        if not names:
+            continue
+        scales = np.array([subject.instance.quantities[name].scale for name in names])[:, None]
+        proven = np.array([[row[name][number.name] for row in matrix.of] for name in names])
+        sizes = np.maximum.accumulate(np.max(np.abs(proven[..., 0]) / scales, axis=0))
+        felt = FELT / (abs(float(number.of(matrix.p))) or 1.0)
+        unit = scales * np.maximum(sizes, felt)
+        slopes = np.array([[of[name][list(samples)] for name in names] for of in told])
+        errors = np.maximum(0.0, np.abs(slopes - proven[..., 0]) - proven[..., 1])
+        columns.append(Column(number.name, names, errors / unit, slopes / unit, rounding))
+    return columns
+
+
+def _allowed(subject: Subject, column: Column, claimed: Array) -> Array:
+    """The error (samples,) that is allowed at the finest level: the claimed one, or what the last
+    halvings of the step imply if that is less; and rounding.
+    """
+    allowed = claimed
+    levels = len(subject.levels)
+    if subject.method.control == "step" and levels >= 3 and not _scatters(subject):
+        ratio = 2.0**subject.order
+        changes = np.max(np.abs(np.diff(column.slopes, axis=0)), axis=1)
+        # Terms of the last change may cancel; the change before it implies 2^-p times its own.
+        change = np.maximum(changes[-1], changes[-2] / ratio)
+        implied = PREDICTION_FACTOR * np.maximum.accumulate(change) / (ratio - 1.0)
+        allowed = np.minimum(claimed, implied)
+    bound: Array = allowed + column.floor
+    return bound
+
+
+CHECK = Gradient()

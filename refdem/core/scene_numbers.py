@@ -1,0 +1,175 @@
+"""The numbers of a scene by their keys, and how they change with a number of a case.
+
+A program knows the numbers of its scene: `scene.bodies.0.mass` and whatever else has a key in
+`request.txt`. A case has numbers of its own, such as a height or a restitution, and truth is
+differentiated by these. With s the numbers of the scene, x the states that a program reports, and
+q(x, p) the quantities of a case,
+
+    dq/dp = sum over s of dq/dx dx/ds ds/dp + dq/dp at fixed x.
+
+The program tells dx/ds; ds/dp and the two derivatives of q are central differences of order 6.
+"""
+
+from collections.abc import Callable, Mapping
+from dataclasses import replace
+from fractions import Fraction
+from typing import Any, Protocol
+
+import msgspec
+import numpy as np
+from numpy.typing import NDArray
+
+from refdem.core.case import Instance
+from refdem.core.parameters import Exact, Parameters
+from refdem.core.problem_kinds import Motion
+from refdem.core.trajectory import STATE, Trajectory
+from refdem.errors import RefdemError
+from refdem.scene import Scene
+from refdem.scene.scene import encoded
+
+Array = NDArray[np.float64]
+
+APART = Fraction(1, 2**9)
+"""Part of itself by which a number is moved. The error of the differences is about 2^-54 by the
+seventh derivative, and 2^-43 by rounding.
+"""
+WEIGHTS = {1: 45.0, 2: -9.0, 3: 1.0}
+"""60 h f' = sum of w_k (f(k h) - f(-k h)), with an error of order h^6."""
+WIDTHS = {"position": 3, "velocity": 3, "attitude": 4, "omega": 3}
+"""Components of each column of a state, in the order of the derivatives of a state."""
+STATES = sum(WIDTHS.values())
+"""Components of the state of a body."""
+
+
+class CaseNumber(Protocol):
+    """One number of a case, which may be set to other values."""
+
+    @property
+    def name(self) -> str:
+        """The name of the number, for people."""
+
+    def of(self, p: Mapping[str, Exact]) -> Fraction:
+        """The exact value of the number."""
+
+    def set_in(self, p: Parameters, value: Fraction) -> Parameters:
+        """The parameters with another value of the number."""
+
+
+def numbers_in(scene: Scene) -> dict[str, float]:
+    """Every number of a scene that need not be whole, by its key in `request.txt`."""
+    document = msgspec.json.decode(encoded(scene.document(np.inf)))
+    return dict(_leaves("scene", document))
+
+
+def _leaves(key: str, value: Any) -> list[tuple[str, float]]:
+    """The floats at a key of a document and below it."""
+    if isinstance(value, float):
+        return [(key, value)]
+    entries: Any = ()
+    if isinstance(value, dict):
+        entries = value.items()
+    if isinstance(value, list):
+        entries = enumerate(value)
+    return [leaf for name, entry in entries for leaf in _leaves(f"{key}.{name}", entry)]
+
+
+def slope(value_at: Callable[[int], Any]) -> Any:
+    """The derivative by k of a function of whole numbers k = -3 ... 3, at 0, by WEIGHTS."""
+    total: Any = 0.0
+    for k, weight in WEIGHTS.items():
+        total = total + weight * (value_at(k) - value_at(-k))
+    return total / 60.0
+
+
+def scene_rates(instance: Instance, p: Parameters, number: CaseNumber) -> dict[str, float] | None:
+    """The derivatives ds/dp of the numbers of the scene by a number of the case, those that are not
+    0; None where there is no scene on one side, or one of other elements.
+    """
+    value = number.of(p)
+    distance = APART * (abs(value) or 1)
+    scenes = {}
+    try:
+        for k in range(-3, 4):
+            problem = instance.case.problem(number.set_in(p, value + k * distance))
+            assert isinstance(problem, Motion)
+            scenes[k] = numbers_in(problem.scene)
+    except (RefdemError, ArithmeticError, ValueError):
+        return None
+    keys = scenes[0].keys()
+    if any(scene.keys() != keys for scene in scenes.values()):
+        return None
+    places = list(keys)
+    table = {k: np.array([scene[key] for key in places]) for k, scene in scenes.items()}
+    changes = slope(table.__getitem__) / float(distance)
+    rates = dict(zip(places, changes.tolist(), strict=True))
+    return {key: rate for key, rate in rates.items() if rate}
+
+
+def keys_of(rates: Mapping[str, Mapping[str, float] | None], scene: Scene) -> tuple[str, ...]:
+    """The numbers of a scene on which some number of the case acts, in their order."""
+    acting = {key for of_number in rates.values() for key in of_number or ()}
+    return tuple(key for key in numbers_in(scene) if key in acting)
+
+
+def tangent(run: Trajectory, rates: Mapping[str, float]) -> Array:
+    """The derivative of the states (T, N, STATES) by a number of the case: sum dx/ds ds/dp."""
+    total = np.zeros((*run.position.shape[:2], STATES))
+    for key, rate in rates.items():
+        total += rate * run.derivatives[key]
+    return total
+
+
+def observed_slopes(
+    instance: Instance,
+    p: Parameters,
+    number: CaseNumber,
+    run: Trajectory,
+    rates: Mapping[str, float],
+) -> dict[str, Array]:
+    """The derivative (T,) of every quantity that follows from states, as a run's own derivatives
+    tell it: d/de of q(x + e dx/dp, p + e) at e = 0.
+    """
+    change = tangent(run, rates)
+    value = number.of(p)
+    distance = Fraction(_distance(instance, change, abs(float(value)) or 1.0))
+
+    def observed(k: int) -> dict[str, Array]:
+        """The quantities at k distances from the run."""
+        moved = number.set_in(p, value + k * distance)
+        return instance.case.observe(moved, displaced(run, k * float(distance) * change))
+
+    shown = {k: observed(k) for k in range(-3, 4)}
+    slopes = {}
+    for name, quantity in instance.quantities.items():
+        if name not in shown[0]:
+            continue
+        away = {k: seen[name] - shown[0][name] for k, seen in shown.items()}
+        if quantity.angle:
+            away = {k: np.remainder(by + np.pi, 2 * np.pi) - np.pi for k, by in away.items()}
+        slopes[name] = slope(away.__getitem__) / float(distance)
+    return slopes
+
+
+def displaced(run: Trajectory, change: Array) -> Trajectory:
+    """The states of a run moved by a change (T, N, STATES); channels and derivatives are left
+    out.
+    """
+    columns: dict[str, Any] = {"channels": {}, "derivatives": {}}
+    first = 0
+    for name in STATE:
+        last = first + WIDTHS[name]
+        columns[name] = getattr(run, name) + change[..., first:last]
+        first = last
+    return replace(run, **columns)
+
+
+def _distance(instance: Instance, change: Array, unit: float) -> float:
+    """The distance by which a number is moved for differences of what is observed: APART of the
+    number, and less where states would move by more than APART of their scales.
+    """
+    scales = instance.scales
+    sizes = np.repeat(
+        [scales.length, scales.speed, 1.0, 1.0 / scales.tau], [WIDTHS[name] for name in STATE]
+    )
+    fastest = float(np.max(np.abs(change) / sizes, initial=0.0))
+    return float(APART) / max(1.0 / unit, fastest)

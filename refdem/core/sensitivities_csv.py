@@ -1,0 +1,103 @@
+"""The derivatives of a trajectory as a CSV file, the way programs of any language hand them back.
+
+A row has the derivatives of the state of one body at one sample by one number of the scene, in the
+columns of a trajectory: `number,t,body,x,y,z,...` with dx/ds where that has x. The numbers come in
+the order of the request, each with the rows of a whole trajectory.
+"""
+
+from collections.abc import Sequence
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from refdem.core.outside import one_line
+from refdem.core.trajectory import Trajectory
+from refdem.core.trajectory_csv import COLUMNS, csv_lines, number_in
+from refdem.errors import EngineError
+
+Array = NDArray[np.float64]
+
+SENSITIVITY_COLUMNS = ("number", *COLUMNS)
+STATE_BEGINS = 3
+"""The columns before it say of which number, time and body the derivatives of a row are."""
+TURN_BEGINS = SENSITIVITY_COLUMNS.index("qw")
+"""From here on all columns may be empty: the body does not rotate, and its derivatives are 0."""
+SAME_TIME = 1e-9
+"""Part of the largest time by which times of the two files may differ."""
+
+
+def with_sensitivities(trajectory: Trajectory, path: Path, asked: Sequence[str]) -> Trajectory:
+    """A trajectory with the derivatives by the numbers that were `asked` for, from the file beside
+    it; as it is if none were. Raises EngineError that names the line that is wrong.
+    """
+    if not asked:
+        return trajectory
+    samples, bodies, _ = trajectory.position.shape
+    count = len(asked) * samples * bodies
+    # One row more than expected is read, so that a file with more rows is noticed.
+    lines = csv_lines(path, count + 2, SENSITIVITY_COLUMNS)
+    _, first = next(lines, (1, []))
+    header = tuple(cell.strip() for cell in first)
+    if header != SENSITIVITY_COLUMNS:
+        raise EngineError(
+            f"{path.name} line 1 is {one_line(','.join(header), 200)!r}; expected"
+            f" {','.join(SENSITIVITY_COLUMNS)}"
+        )
+    width = len(SENSITIVITY_COLUMNS) - STATE_BEGINS
+    derivatives = np.zeros((len(asked), samples, bodies, width))
+    found = 0
+    for number, line in lines:
+        if found < count:
+            place = np.unravel_index(found, derivatives.shape[:3])
+            key, sample, body = (int(index) for index in place)
+            expected = asked[key], float(trajectory.t[sample]), body
+            where = f"{path.name} line {number}"
+            _refuse_misplaced(line, expected, float(np.max(np.abs(trajectory.t))), where)
+            derivatives[place] = _slopes(line, where)
+        found += 1
+    if found != count:
+        actual = "more rows"
+        if found < count:
+            actual = f"{found} rows"
+        raise EngineError(
+            f"{path.name} has {actual}; expected {count}: {len(asked)} numbers of {samples} samples"
+            f" of {bodies} bodies"
+        )
+    return replace(trajectory, derivatives=dict(zip(asked, derivatives, strict=True)))
+
+
+def _refuse_misplaced(
+    line: list[str], expected: tuple[str, float, int], longest: float, where: str
+) -> None:
+    """Raises EngineError unless a line is of the expected number, time [s] and body."""
+    if len(line) != len(SENSITIVITY_COLUMNS):
+        raise EngineError(f"{where} has {len(line)} columns; expected {len(SENSITIVITY_COLUMNS)}")
+    key, t, body = expected
+    told_time = number_in(line[1])
+    told_body = number_in(line[2])
+    is_at_time = told_time is not None and abs(told_time - t) <= SAME_TIME * longest
+    if line[0].strip() != key or not is_at_time or told_body != body:
+        told = one_line(",".join(line[:STATE_BEGINS]), 120)
+        raise EngineError(
+            f"{where} begins with {told!r}; expected {key},{t:.17g},{body}: the numbers in the"
+            " order of the request, each with all samples and bodies"
+        )
+
+
+def _slopes(line: list[str], where: str) -> list[float]:
+    """The derivatives in a line, 0 in those of a turn that are all empty."""
+    cells = line[STATE_BEGINS:]
+    if not any(cell.strip() for cell in line[TURN_BEGINS:]):
+        turn = len(SENSITIVITY_COLUMNS) - TURN_BEGINS
+        cells = [*line[STATE_BEGINS:TURN_BEGINS], *["0"] * turn]
+    slopes = []
+    for column, cell in zip(SENSITIVITY_COLUMNS[STATE_BEGINS:], cells, strict=True):
+        value = number_in(cell)
+        if value is None or not np.isfinite(value):
+            raise EngineError(
+                f"{where}: {column} is {one_line(cell, 40)!r}; expected a finite number"
+            )
+        slopes.append(value)
+    return slopes

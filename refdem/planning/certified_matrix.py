@@ -1,0 +1,48 @@
+"""Certified derivatives for checks, and the numbers of a scene by which programs are asked for
+theirs.
+"""
+
+from fractions import Fraction
+from functools import cache
+
+from refdem.core import discovery
+from refdem.core.case import Instance
+from refdem.core.check import CertifiedMatrix, Subject
+from refdem.core.scene_numbers import keys_of, scene_rates
+from refdem.truth.sensitivities import numbers_of, sensitivities
+
+DIGITS = 17
+"""Digits of the certified derivatives, which are compared with doubles."""
+Given = tuple[tuple[str, str], ...]
+"""The parameters of an instance as pairs of name and text."""
+
+
+def certified_matrix(subject: Subject, times: tuple[float, ...]) -> CertifiedMatrix:
+    """The derivatives of the quantities of a subject at these times [s].
+
+    Raises NotCertifiedError where they cannot be proved.
+    """
+    instance = subject.instance
+    return _proved(instance.case.id, tuple(instance.p.given.items()), times)
+
+
+@cache
+def _proved(case: str, given: Given, times: tuple[float, ...]) -> CertifiedMatrix:
+    """The same of a case at given parameters, proved once in a process."""
+    instance = discovery.case(case).at(**dict(given))
+    p = instance.case.written_out(instance.p)
+    of = []
+    for t in times:
+        found = sensitivities(instance.case.truth, p, Fraction(t), DIGITS)
+        rows = {}
+        for quantity, by_number in found.of.items():
+            rows[quantity] = {name: ball.rounded() for name, ball in by_number.items()}
+        of.append(rows)
+    return CertifiedMatrix(p, tuple(numbers_of(p)), tuple(of))
+
+
+def asked_numbers(instance: Instance) -> tuple[str, ...]:
+    """The keys of the numbers of the scene on which some number of the case acts."""
+    p = instance.case.written_out(instance.p)
+    rates = {number.name: scene_rates(instance, p, number) for number in numbers_of(p)}
+    return keys_of(rates, instance.scene)
