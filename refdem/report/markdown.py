@@ -7,10 +7,7 @@ import math
 from collections.abc import Sequence
 
 from refdem.core.finding import CaseSheet, EngineSheet, Record
-=======
-from refdem.core.finding import EngineSheet, Record
 from refdem.core.moved import Moved
->>>>>>> b41p
 from refdem.core.outside import markdown_text
 from refdem.report.contents import Contents, advice, page
 from refdem.report.html import MARKS, span, step, target
