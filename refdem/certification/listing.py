@@ -55,19 +55,19 @@ def certified_cases(folder: Path, only: Iterable[str] = ()) -> list[CertifiedCas
 
 def certified_case(name: str, sets: list[CertifiedSet]) -> CertifiedCase:
     """The line of one case, from its sets in the store."""
-    testimonies = [entry.witnessed for entry in sets if entry.witnessed]
+    cross_checks = [entry.witnessed for entry in sets if entry.witnessed]
     radii: list[Fraction] = []
     for entry in sets:
         radii += [Fraction(value.radius) for value in entry.values]
-    witnesses = sorted({testimony["by"] for testimony in testimonies})
+    witnesses = sorted({cross_check["by"] for cross_check in cross_checks})
     own_witnesses = sorted({entry.witness for entry in sets})
     if radii:
         digits = _digits(max(radii))
     else:
         digits = None
     methods = sorted({entry.method for entry in sets})
-    witnessed = sum(testimony["values"] for testimony in testimonies)
-    agreed = min((testimony["digits"] for testimony in testimonies), default=None)
+    witnessed = sum(cross_check["values"] for cross_check in cross_checks)
+    agreed = min((cross_check["digits"] for cross_check in cross_checks), default=None)
     # A set is stale if it was proved with another state of the case's code.
     source = digest_of(name)
     stale = sum(entry.source != source for entry in sets)

@@ -149,7 +149,7 @@ def proved_set(case: str, given: dict[str, str], times: tuple[str, ...], job: st
     lines carry.
     """
     from refdem.truth.certified.writing import DIGITS, block, rows
-    from refdem.truth.witnesses.testimony import testimony
+    from refdem.truth.witnesses.cross_check import cross_checked
 
     instance = discovery.case(case).at(**given)
     try:
@@ -159,7 +159,7 @@ def proved_set(case: str, given: dict[str, str], times: tuple[str, ...], job: st
         return _result([], str(error))
     if not values:
         return _result([], f"nothing is certified: {missing}")
-    statement = testimony(case, instance.case.meant(instance.p), values)
+    statement = cross_checked(case, instance.case.meant(instance.p), values)
     if statement is not None and statement["denied"]:
         denied = ", ".join(statement["denied"][:5])
         return _result([], f"the witness ({statement['by']}) does not confirm {denied}")
@@ -350,7 +350,7 @@ def job_digest(kind: str, label: str, arguments: tuple[Any, ...]) -> str:
     """sha256 of a job and of the code behind it: of the case's truth, of the writers of the lines,
     and, for a set, of its witness.
     """
-    from refdem.truth.witnesses.testimony import witness_files
+    from refdem.truth.witnesses.cross_check import witness_files
 
     case = arguments[0]
     if kind == "set":

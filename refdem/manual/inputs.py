@@ -9,7 +9,7 @@ from refdem.core import discovery
 from refdem.core.selection import Selection
 from refdem.manual.pages import checks
 from refdem.truth.certified.sources import ROOT, closure, digest_of, digest_of_files
-from refdem.truth.witnesses.testimony import witness_files, witnesses
+from refdem.truth.witnesses.cross_check import witness_files, witnesses
 
 NAME = "inputs.txt"
 """Beside the pages: a line a case, `digest  case`."""

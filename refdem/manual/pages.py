@@ -15,7 +15,7 @@ from refdem.planning import plan
 from refdem.planning.moved import moved_at, moved_lines
 from refdem.planning.specification import Specification
 from refdem.truth.certified.reader import CertifiedSet, load
-from refdem.truth.witnesses.testimony import witnesses
+from refdem.truth.witnesses.cross_check import witnesses
 
 DIGITS = 24
 """Decimal places of the scalars that are shown."""

@@ -42,8 +42,8 @@ A steady spin has W = 0: J d across M obeys an equation of constant coefficients
 and D depends on tau alone.
 
 All of this is known in balls. What is read, D and what errors are made of are then doubles with the
-bounds of near.py, entry by entry: D of a needle has entries of 1e12 that meet others of 1e-12, and
-no bound by norms could tell that little is lost.
+bounds of midpoint_radius.py, entry by entry: D of a needle has entries of 1e12 that meet others of
+1e-12, and no bound by norms could tell that little is lost.
 
 Hypotheses, and where each is checked:
 
@@ -87,7 +87,7 @@ from refdem.truth.growth import (
     spectral,
     upper,
 )
-from refdem.truth.near import Near, exact, near, together
+from refdem.truth.midpoint_radius import MidpointRadius, exact, from_balls, together
 from refdem.truth.reals import Number
 
 Array = NDArray[np.float64]
@@ -207,7 +207,7 @@ class BodyGrowth(ABC):
     def unrounded_at(self, t: Fraction) -> float:
         """S(t) before it is rounded up; not finite where doubles end."""
 
-    def read(self, t: Fraction, axes: Balls, omega: Sequence[arb], length: arb) -> Near:
+    def read(self, t: Fraction, axes: Balls, omega: Sequence[arb], length: arb) -> MidpointRadius:
         """The derivative (9, 6) of the quantities, in scales, by an error (psi, J d/L) that is
         given along `axes`.
 
@@ -228,18 +228,18 @@ class BodyGrowth(ABC):
         put(derivative, BODY, SPIN, omega_change)
         put(derivative, SPACE, TURN, scaled(swept, -1 / spin))
         put(derivative, SPACE, SPIN, rotation.product(to_space, omega_change))
-        return near(derivative)
+        return from_balls(derivative)
 
-    def sources(self, axes: Balls, length: arb) -> Near:
+    def sources(self, axes: Balls, length: arb) -> MidpointRadius:
         """J d/L along `axes` (3, 3), for a change d of omega by one scale in each body axis."""
         momentum_changes = rotation.product(axes, self.tensor)
-        return near(scaled(momentum_changes, arb_of(self.scales.spin) / length))
+        return from_balls(scaled(momentum_changes, arb_of(self.scales.spin) / length))
 
     def largest(
         self,
-        read: Near,
-        parts: Sequence[Near],
-        sources: Near,
+        read: MidpointRadius,
+        parts: Sequence[MidpointRadius],
+        sources: MidpointRadius,
         halves: Array,
         *,
         turns_anyhow: bool = False,
@@ -253,7 +253,7 @@ class BodyGrowth(ABC):
         bound of i q lambda for any unit number q. Infinite where doubles end; UnsharpError where
         rounding may have lost more than the part MAX_ROUNDING_PART.
         """
-        one_turn = near([arb_of(self.scales.turn)])
+        one_turn = from_balls([arb_of(self.scales.turn)])
         # |D_psi| and |D_omega| of the theorem on cells, by vector that is read.
         by_turn = exact(np.zeros((1, len(READ))))
         by_spin = exact(np.zeros((1, len(READ))))
@@ -269,8 +269,8 @@ class BodyGrowth(ABC):
         # |D(t, s)| <= |D_psi| (1 + h g) + |D_omega| g with g = exp(a h) (theorem on cells).
         omega_growth = np.exp(self.scales.jacobian * halves)[:, None]
         turn_growth = halves[:, None] * self.scales.shear * omega_growth
-        growth = by_turn.middle * (1 + turn_growth) + by_spin.middle * omega_growth
-        rounding = by_turn.off * (1 + turn_growth) + by_spin.off * omega_growth
+        growth = by_turn.midpoint * (1 + turn_growth) + by_spin.midpoint * omega_growth
+        rounding = by_turn.radius * (1 + turn_growth) + by_spin.radius * omega_growth
         bound = float((growth + rounding).max(initial=0.0)) * UPWARDS
         if not isfinite(bound):
             return inf
@@ -312,7 +312,7 @@ class Instant:
     across: arb
     lead: arb
     angle: acb
-    sources: Near
+    sources: MidpointRadius
 
 
 class Tumbling(BodyGrowth):
@@ -412,12 +412,12 @@ class Tumbling(BodyGrowth):
         """
         return bool(self.across(arb(0)) / self.across(time) > BOUNDLESS)
 
-    def of_cell_of_now(self, read: Near, now: Instant, since: float) -> float:
+    def of_cell_of_now(self, read: MidpointRadius, now: Instant, since: float) -> float:
         """The growth of errors made during the last `since` seconds, for which D(t, t) = 1."""
         unit = exact(np.eye(6)[None])
         return self.largest(read, [unit], now.sources[None], np.array([since * UPWARDS]))
 
-    def of_earlier(self, read: Near, now: Instant, since: arb, periods: int) -> float:
+    def of_earlier(self, read: MidpointRadius, now: Instant, since: arb, periods: int) -> float:
         """The growth of errors made in all earlier periods (theorem on all times).
 
         The most recent ones are taken one by one; of the far ones the norm of A + n N is largest at
@@ -437,7 +437,7 @@ class Tumbling(BodyGrowth):
 
     def grown(
         self,
-        read: Near,
+        read: MidpointRadius,
         now: Instant,
         since: arb,
         count: int,
@@ -458,9 +458,9 @@ class Tumbling(BodyGrowth):
         else:
             whole_periods = periods * self.period
         # tau = t - s, and k(t) - k(s), of each cell.
-        elapsed = near([since - instant.time + whole_periods for instant in instants])
+        elapsed = from_balls([since - instant.time + whole_periods for instant in instants])
         gained = periods * self.gained
-        leads = near([now.lead - instant.lead + gained for instant in instants])
+        leads = from_balls([now.lead - instant.lead + gained for instant in instants])
         across = [instant.across for instant in instants]
         matrices = self.kept_part(now.across, across, elapsed, leads)
         if not is_far:
@@ -472,21 +472,23 @@ class Tumbling(BodyGrowth):
         halves = np.array([cell.half for cell in self.cells[:count]])
         return self.largest(read, [matrices], sources, halves, turns_anyhow=is_far)
 
-    def kept_part(self, now: arb, across: Sequence[arb], elapsed: Near, leads: Near) -> Near:
+    def kept_part(
+        self, now: arb, across: Sequence[arb], elapsed: MidpointRadius, leads: MidpointRadius
+    ) -> MidpointRadius:
         """A + n N of the theorem on all times (cells, 6, 6): D without the part that turns with q.
 
         `now` is W(t), `across` has W(s) of each cell, `elapsed` t - s, `leads` k(t) - k(s). Rows
         and columns: p, psi_w, psi_b, alpha, beta, gamma.
         """
         # p(t) = p(s) + tau (omega.m alpha(s) + W(s) beta(s)).
-        p_by_alpha = elapsed * near([self.along])
-        p_by_beta = elapsed * near(across)
+        p_by_alpha = elapsed * from_balls([self.along])
+        p_by_beta = elapsed * from_balls(across)
         # beta(t) = beta(s) W(s)/W(t).
-        beta = near([then / now for then in across])
+        beta = from_balls([then / now for then in across])
         # gamma(t) = W(t) (alpha(s) tau + L W(s) (k(t) - k(s)) beta(s) + gamma(s)/W(s)).
-        gamma_by_alpha = elapsed * near([now])
-        gamma_by_beta = leads * near([self.length * now * then for then in across])
-        gamma = near([now / then for then in across])
+        gamma_by_alpha = elapsed * from_balls([now])
+        gamma_by_beta = leads * from_balls([self.length * now * then for then in across])
+        gamma = from_balls([now / then for then in across])
         one = exact(np.ones(len(across)))
         # psi_w + i psi_b has gamma - i beta, besides what turns.
         return filled(
@@ -564,7 +566,7 @@ class Spinning(BodyGrowth):
             bound = max(bound, self.later(read, t))
         return bound
 
-    def later(self, read: Near, t: Fraction) -> float:
+    def later(self, read: MidpointRadius, t: Fraction) -> float:
         """The growth over more than TURNS and up to t: by what is linear in time at both ends, and
         by the rest at its largest.
         """
@@ -575,19 +577,19 @@ class Spinning(BodyGrowth):
         no_width = np.zeros(2)
         return self.largest(read, parts, self.sources_everywhere(), no_width, turns_anyhow=True)
 
-    def sources_everywhere(self) -> Near:
+    def sources_everywhere(self) -> MidpointRadius:
         """J d/L (1, 3, 3) of changes of omega by one scale, the same in all cells."""
         return self.sources(self.axes, self.length)[None]
 
-    def along_part(self, times: Sequence[arb]) -> Near:
+    def along_part(self, times: Sequence[arb]) -> MidpointRadius:
         """The part of D for errors along M (cells, 6, 6): alpha stays, p grows by omega alpha
         tau.
         """
         one = exact(np.ones(len(times)))
-        turned = near([time * self.rate for time in times])
+        turned = from_balls([time * self.rate for time in times])
         return filled({(0, 0): one, (0, 3): turned, (3, 3): one})
 
-    def across_parts(self, cosines: Sequence[arb], sines: Sequence[arb]) -> list[Near]:
+    def across_parts(self, cosines: Sequence[arb], sines: Sequence[arb]) -> list[MidpointRadius]:
         """The two parts of D for changes across M (cells, 6, 6 each): that of x and that of y in
         v(t) = x v(s) + y C v(s), with psi = -i v.
 
@@ -598,8 +600,8 @@ class Spinning(BodyGrowth):
         for factors, matrix in ((cosines, unit), (sines, self.matrix)):
             entries = {}
             for column in (0, 1):
-                v_w = near([factor * matrix[0][column] for factor in factors])
-                v_b = near([factor * matrix[1][column] for factor in factors])
+                v_w = from_balls([factor * matrix[0][column] for factor in factors])
+                v_b = from_balls([factor * matrix[1][column] for factor in factors])
                 entries[4, 4 + column] = v_w
                 entries[5, 4 + column] = v_b
                 # psi = -i v: psi_w = v_b, psi_b = -v_w.
@@ -729,13 +731,13 @@ def axes_about(along: Sequence[arb]) -> list[list[arb]]:
     return [list(along), second, rotation.cross(along, second)]
 
 
-def rotating(turns: Sequence[acb]) -> Near:
+def rotating(turns: Sequence[acb]) -> MidpointRadius:
     """The part i q lambda of psi across M (cells, 6, 6), for the unit number q of each cell.
 
     lambda = J d/L + psi x m across M is, in components along w and b, v - i psi.
     """
-    cosine = near([q.real for q in turns])
-    sine = near([q.imag for q in turns])
+    cosine = from_balls([q.real for q in turns])
+    sine = from_balls([q.imag for q in turns])
     return filled(
         {
             (1, 1): cosine,
@@ -751,31 +753,31 @@ def rotating(turns: Sequence[acb]) -> Near:
     )
 
 
-def filled(entries: Mapping[tuple[int, int], Near]) -> Near:
+def filled(entries: Mapping[tuple[int, int], MidpointRadius]) -> MidpointRadius:
     """Matrices (cells, 6, 6) with these entries (cells,), and 0 elsewhere."""
-    count = max(len(entry.middle) for entry in entries.values())
+    count = max(len(entry.midpoint) for entry in entries.values())
     matrices = exact(np.zeros((count, 6, 6)))
     for (row, column), entry in entries.items():
-        matrices.middle[:, row, column] = entry.middle
-        matrices.off[:, row, column] = entry.off
+        matrices.midpoint[:, row, column] = entry.midpoint
+        matrices.radius[:, row, column] = entry.radius
     return matrices
 
 
-def norms_of_read(matrices: Near) -> Near:
+def norms_of_read(matrices: MidpointRadius) -> MidpointRadius:
     """Upper bounds (cells, 3) of the norms of the vectors READ of matrices (cells, 9, columns).
 
-    `middle` bounds the norms of the doubles, `off` those of their errors.
+    `midpoint` bounds the norms of the doubles, `radius` those of their errors.
     """
     norms = [spectral_norms(matrices[:, rows]) for rows in READ]
-    return Near(
-        np.stack([one.middle for one in norms], axis=-1),
-        np.stack([one.off for one in norms], axis=-1),
+    return MidpointRadius(
+        np.stack([one.midpoint for one in norms], axis=-1),
+        np.stack([one.radius for one in norms], axis=-1),
     )
 
 
-def spectral_norms(matrices: Near) -> Near:
+def spectral_norms(matrices: MidpointRadius) -> MidpointRadius:
     """Upper bounds (cells,) of the largest singular values of matrices (cells, rows, columns)."""
-    return Near(spectral(matrices.middle), spectral(matrices.off))
+    return MidpointRadius(spectral(matrices.midpoint), spectral(matrices.radius))
 
 
 def scaled(matrix: Balls, factor: arb) -> list[list[arb]]:

@@ -11,7 +11,7 @@ from refdem.core import discovery
 from refdem.core.problem import Request
 from refdem.planning.in_process import record_of, task_of, truth_of
 from refdem.scene.elements.internal_damping import InternalDamping
-from refdem.truth.witnesses.testimony import witnesses
+from refdem.truth.witnesses.cross_check import witnesses
 
 SETS = [
     {},

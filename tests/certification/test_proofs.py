@@ -185,14 +185,14 @@ def test_the_sample_has_every_case_and_method() -> None:
 
 
 def test_a_witness_that_denies_stops_the_set(monkeypatch: pytest.MonkeyPatch) -> None:
-    from refdem.truth.witnesses import oscillators, testimony
+    from refdem.truth.witnesses import cross_check, oscillators
 
     other = oscillators.of(
         lambda p: lambda t, x, v: -p["stiffness"] / p["mass"] * x * (1 + t * 10**-20),
         "mass",
         "stiffness",
     )
-    monkeypatch.setattr(testimony, "witnesses", lambda: {"harmonic-oscillator": other})
+    monkeypatch.setattr(cross_check, "witnesses", lambda: {"harmonic-oscillator": other})
     found = json.loads(proofs.proved_set("harmonic-oscillator", {}, ("2",)))
     assert found["lines"] == []
     assert "does not confirm" in found["reason"]

@@ -14,12 +14,12 @@ import pytest
 from flint import acb, arb
 
 from refdem.core import discovery
-from refdem.truth import near, rotation
+from refdem.truth import midpoint_radius, rotation
 from refdem.truth.balls import arb_of, precision
 from refdem.truth.body_growth import Tumbling, rotating
 from refdem.truth.closed_forms.free_rigid_body import FreeRigidBody
 from refdem.truth.closed_forms.rigid_cluster import RigidCluster
-from refdem.truth.near import exact as exact_doubles
+from refdem.truth.midpoint_radius import exact as exact_doubles
 from refdem.truth.refiner import Refiner
 
 STEPS = 1500
@@ -265,7 +265,7 @@ def test_roundings_have_no_part_in_s(inertia, omega, monkeypatch):
     """By norms of matrices their bound was a seventh of S of a needle, whose J^-1 has 1e12."""
     times = [Fraction(2), Fraction(8), Fraction(400)]
     told = [of_body(inertia, omega).truth.sensitivity(t) for t in times]
-    monkeypatch.setattr(near, "UNIT", 0.0)
+    monkeypatch.setattr(midpoint_radius, "UNIT", 0.0)
     without = [of_body(inertia, omega).truth.sensitivity(t) for t in times]
     assert without == pytest.approx(told, rel=1e-3)
 
@@ -290,8 +290,8 @@ def test_what_turns_is_bounded_at_every_angle_and_sharply(inertia):
         for part in range(64):
             sine, cosine = (arb.pi() * part / 32).sin_cos()
             # The scale of a turn is 1.
-            turned = read.middle @ rotating([acb(cosine, sine)]).middle
-            turned[..., 3:] = turned[..., 3:] @ instant.sources.middle
+            turned = read.midpoint @ rotating([acb(cosine, sine)]).midpoint
+            turned[..., 3:] = turned[..., 3:] @ instant.sources.midpoint
             growths.append(largest_of(turned[..., :3], turned[..., 3:]))
     assert max(growths) <= told <= 1.1 * max(growths)
 

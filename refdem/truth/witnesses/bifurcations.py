@@ -11,13 +11,13 @@ from flint import acb, arb, fmpq, fmpq_poly
 from refdem.core.parameters import Exact
 from refdem.truth.balls import arb_of
 from refdem.truth.exact import number, numbers
-from refdem.truth.witnesses.testimony import Claimed, Said, Witness
+from refdem.truth.witnesses.cross_check import Claimed, Results, Witness
 
 BISECTIONS = 110
 """Halvings of an interval of 1/8: more than the digits that are compared."""
 
 
-def bifurcations(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claimed) -> Said:
+def bifurcations(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claimed) -> Results:
     """Every row of the case bifurcations."""
     said = {"forces.0": arb_of(number(p, "f0")), "forces.1": arb_of(number(p, "f0"))}
     for name, found in zip(("lower-fold", "upper-fold"), double_roots(p), strict=True):

@@ -12,8 +12,8 @@ from flint import arb
 from refdem.core.parameters import Exact
 from refdem.truth.balls import arb_of
 from refdem.truth.exact import number, vector
+from refdem.truth.witnesses.cross_check import Claimed, Results, Witness
 from refdem.truth.witnesses.rigid_impacts import HALVINGS, LAW, Sphere, struck
-from refdem.truth.witnesses.testimony import Claimed, Said, Witness
 
 METHOD = (
     "each flight to the next zero of the height by bisection, impulses from the balance equations"
@@ -84,7 +84,7 @@ class Flight:
         self.sphere.omega = velocities[3:6]
 
 
-def bouncing_ball(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claimed) -> Said:
+def bouncing_ball(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claimed) -> Results:
     """The states at the times, the time of the first bounce, and the bounces up to the last one of
     these times.
     """

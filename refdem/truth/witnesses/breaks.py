@@ -15,6 +15,7 @@ from flint import arb
 from refdem.core.parameters import Exact
 from refdem.truth.balls import arb_of
 from refdem.truth.exact import number, vector
+from refdem.truth.witnesses.cross_check import Claimed, Results, Witness
 from refdem.truth.witnesses.rigid_impacts import (
     LAW,
     Sphere,
@@ -25,7 +26,6 @@ from refdem.truth.witnesses.rigid_impacts import (
     meeting,
     struck,
 )
-from refdem.truth.witnesses.testimony import Claimed, Said, Witness
 
 METHOD = (
     "gaps of all pairs to their narrowest, the first to close by bisection, impulses from the"
@@ -128,7 +128,7 @@ def middles(triple: Triple) -> Triple:
     return [x.mid() for x in triple]
 
 
-def billiard_break(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claimed) -> Said:
+def billiard_break(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claimed) -> Results:
     """The states at the times, then the scalars."""
     table = Table(p)
     before = table.energy()

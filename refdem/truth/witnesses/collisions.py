@@ -21,9 +21,9 @@ from flint import arb
 from refdem.core.parameters import Exact
 from refdem.truth.balls import arb_of
 from refdem.truth.exact import number, vector
+from refdem.truth.witnesses.cross_check import Claimed, Results, Witness
 from refdem.truth.witnesses.spinning_pair import spinning
 from refdem.truth.witnesses.taylor import Solution
-from refdem.truth.witnesses.testimony import Claimed, Said, Witness
 
 METHOD = (
     "Taylor integration in Cartesian coordinates, phase by phase, at 58 digits, unproven"
@@ -314,7 +314,7 @@ def first_switch(
     return None
 
 
-def two_spheres(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claimed) -> Said:
+def two_spheres(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claimed) -> Results:
     """Two spheres, in the plane of their relative motion; those that turn out of it are left to
     spinning_pair.py.
 
@@ -413,7 +413,7 @@ def at_time(curve: Solution, turn: arb, t: arb) -> tuple[arb, arb]:
     return w * w, v
 
 
-def hertz(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claimed) -> Said:
+def hertz(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claimed) -> Results:
     """Hertz's spheres: the motion in to the turn, and the same run back on the way out."""
     mass, stiffness, speed = (
         arb_of(number(p, name)) for name in ("effective_mass", "stiffness", "closing_speed")
@@ -434,7 +434,7 @@ def hertz(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claimed) -
             yield t, {"overlap": overlap, "v": -rate}
 
 
-def wedge(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claimed) -> Said:
+def wedge(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claimed) -> Results:
     """The collision with a wedge: in with the force k2 d^2, out with k1 d."""
     mass, k1, k2, speed = (
         arb_of(number(p, name)) for name in ("mass", "k1", "k2", "closing_speed")
@@ -462,7 +462,7 @@ def wedge(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claimed) -
         yield t, {"overlap": overlap, "v": rate}
 
 
-def tent(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claimed) -> Said:
+def tent(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claimed) -> Results:
     """The asymmetric field: a force that is linear between the edges x1, 0 and x2, from edge to
     edge.
 

@@ -13,8 +13,8 @@ from flint import arb
 from refdem.core.parameters import Exact
 from refdem.truth.balls import arb_of
 from refdem.truth.exact import number, numbers
+from refdem.truth.witnesses.cross_check import Claimed, Results, Witness
 from refdem.truth.witnesses.taylor import Solution
-from refdem.truth.witnesses.testimony import Claimed, Said, Witness
 
 METHOD = (
     "Taylor integration phase by phase at 58 digits, unproven (refdem/truth/witnesses/contacts.py)"
@@ -23,7 +23,7 @@ SCAN = 1 / 64
 """Step [s] in which a phase is searched for its end."""
 
 
-def coulomb(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claimed) -> Said:
+def coulomb(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claimed) -> Results:
     """The Coulomb oscillator m x'' = -k x - f sgn(v), from turning point to turning point.
 
     It ends where k|x| <= f at a turning point: friction holds the mass there. A start with a
@@ -73,7 +73,7 @@ def rubbing(friction: arb, k: arb, m: arb, t: Any, y: Sequence[Any]) -> list[Any
     return [y[1], (friction - k * y[0]) / m]
 
 
-def slope(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claimed) -> Said:
+def slope(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claimed) -> Results:
     """A block on a slope: s'' = g (sin - mu cos) if that is positive; else it stays at rest."""
     gravity = arb_of(number(p, "gravity"))
     friction = arb_of(number(p, "friction"))
@@ -96,7 +96,7 @@ def falling(acceleration: arb, t: Any, y: Sequence[Any]) -> list[Any]:
     return [y[1], acceleration]
 
 
-def hertz(p: Mapping[str, Any], times: Sequence[Fraction], claimed: Claimed) -> Said:
+def hertz(p: Mapping[str, Any], times: Sequence[Fraction], claimed: Claimed) -> Results:
     """Hertz's spheres, d'' = -(k/m) d^(3/2), as a curve (w, v, t) in s; free flight afterwards.
 
     With d = w^2 and dt = w ds everything is smooth at touch: dw/ds = v/2, dv/ds = -(k/m) w^4. The
@@ -137,7 +137,7 @@ def beyond(index: int, mark: arb, y: Sequence[arb]) -> arb:
     return y[index] - mark
 
 
-def asymmetric(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claimed) -> Said:
+def asymmetric(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claimed) -> Results:
     """The asymmetric field: the force k1 (x - x1) on the left of 0, k1 |x1| (x2 - x)/x2 on the
     right, nothing outside x1 < x < x2.
 
@@ -177,7 +177,7 @@ def asymmetric(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claim
             region = region + side
 
 
-def wedge(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claimed) -> Said:
+def wedge(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claimed) -> Results:
     """The collision with a wedge: in with -k2 d^2 to the largest overlap, out with -k1 d until d =
     0, then free; Newton's law for each.
     """

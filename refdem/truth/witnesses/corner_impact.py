@@ -18,17 +18,17 @@ from flint import acb, arb, arb_mat
 from refdem.core.parameters import Exact
 from refdem.truth.balls import arb_of
 from refdem.truth.exact import number, vector
-from refdem.truth.witnesses.testimony import Claimed, Said, Witness
+from refdem.truth.witnesses.cross_check import Claimed, Results, Witness
 
 METHOD = (
     "balance equations of the body and of the contact by elimination, time of impact by bisection,"
     " unproven (refdem/truth/witnesses/corner_impact.py)"
 )
 HALVINGS = 300
-"""Bisections of the time of impact: 2^-300 of the interval is beyond the bits of a testimony."""
+"""Bisections of the time of impact: 2^-300 of the interval is beyond the bits of a cross-check."""
 
 
-def corner(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claimed) -> Said:
+def corner(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claimed) -> Results:
     """The scalars, and the quantities at the times."""
     a, b = (arb_of(side) for side in vector(p, "sides"))
     angle = arb_of(number(p, "angle"))

@@ -13,8 +13,8 @@ from refdem.core.parameters import Exact
 from refdem.truth.balls import arb_of
 from refdem.truth.exact import number
 from refdem.truth.witnesses import contacts, oscillators, points
+from refdem.truth.witnesses.cross_check import Claimed, Results, Witness
 from refdem.truth.witnesses.taylor import Solution
-from refdem.truth.witnesses.testimony import Claimed, Said, Witness
 
 METHOD = (
     "Taylor integration of each corner; area by dA/dt = A div F, unproven"
@@ -22,7 +22,7 @@ METHOD = (
 )
 
 
-def carried(p: Mapping[str, Any], times: Sequence[Fraction], claimed: Claimed) -> Said:
+def carried(p: Mapping[str, Any], times: Sequence[Fraction], claimed: Claimed) -> Results:
     """The motion of every corner of the polygon, and its area from dA/dt = A div F.
 
     div F is -2 delta in a fluid and 0 else; under dry friction only the area at the start is known.
@@ -54,7 +54,7 @@ def carried(p: Mapping[str, Any], times: Sequence[Fraction], claimed: Claimed) -
 
 def moved(
     p: Mapping[str, Exact], corner: tuple[Fraction, Fraction], times: Sequence[Fraction]
-) -> Said:
+) -> Results:
     """The motion of one corner (x, v) at the start, by the witness of its flow."""
     if p["flow"] == "pendulum":
         return points.pendulum({**p, "theta0": corner[0], "thetadot0": corner[1]}, times, {})

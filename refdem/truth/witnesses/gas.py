@@ -10,7 +10,7 @@ from flint import acb, arb
 from refdem.core.parameters import Exact
 from refdem.truth.balls import arb_of
 from refdem.truth.exact import numbers
-from refdem.truth.witnesses.testimony import Claimed, Said, Witness
+from refdem.truth.witnesses.cross_check import Claimed, Results, Witness
 
 METHOD = (
     "quadrature over the relative velocities of two Maxwellian spheres"
@@ -26,7 +26,7 @@ def moment(power: int) -> arb:
     return integral
 
 
-def cooling(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claimed) -> Said:
+def cooling(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claimed) -> Results:
     """The collision frequency of a sphere and Haff's time, from how two spheres meet.
 
     A component u of the relative velocity along a given line is Gaussian with the variance 2 T/m (m

@@ -8,7 +8,7 @@ from typing import Any
 from flint import arb
 
 from refdem.truth.balls import arb_of, precision
-from refdem.truth.witnesses.testimony import BITS
+from refdem.truth.witnesses.cross_check import BITS
 
 MORE_BITS = 4 * BITS
 """Near exp(-2) the equation of a restitution has nearly a double root, which costs half of the

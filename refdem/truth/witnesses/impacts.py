@@ -15,9 +15,9 @@ from refdem.truth.balls import arb_of
 from refdem.truth.witnesses import contacts, members
 from refdem.truth.witnesses.collisions import Colliding, Value, during, flown, phases, two_spheres
 from refdem.truth.witnesses.contacts import beyond
+from refdem.truth.witnesses.cross_check import Claimed, Results, Witness
 from refdem.truth.witnesses.impact_numbers import impact_numbers
 from refdem.truth.witnesses.taylor import Solution
-from refdem.truth.witnesses.testimony import Claimed, Said, Witness
 
 METHOD = (
     "Taylor integration of Newton's law phase by phase at 58 digits, unproven"
@@ -82,7 +82,7 @@ class Struck(Colliding):
         return self.caught_or_slipped(phase, then, s)
 
 
-def on_wall(p: Mapping[str, Any], times: Sequence[Fraction], claimed: Claimed) -> Said:
+def on_wall(p: Mapping[str, Any], times: Sequence[Fraction], claimed: Claimed) -> Results:
     """The impact on a wall under the linear contact law."""
     sphere = Struck(p)
     zero = arb(0)
@@ -106,7 +106,7 @@ def on_wall(p: Mapping[str, Any], times: Sequence[Fraction], claimed: Claimed) -
         yield t, members.nine("", x, y, vx, vy, spin)
 
 
-def hertz_wall(p: Mapping[str, Any], times: Sequence[Fraction], claimed: Claimed) -> Said:
+def hertz_wall(p: Mapping[str, Any], times: Sequence[Fraction], claimed: Claimed) -> Results:
     """A sphere on a wall under Hertz's law with sliding friction, as a curve in s.
 
     With the overlap d = w^2 and dt = w ds everything is analytic at touch. The state is w, v = d',
@@ -170,7 +170,7 @@ def sliding(k: arb, mu: arb, s: Any, y: Sequence[Any]) -> list[Any]:
     return [v / 2, -force, w, vy * w, -mu * force, -mu * force * 5 / 2]
 
 
-def bouncing(p: Mapping[str, Any], times: Sequence[Fraction], claimed: Claimed) -> Said:
+def bouncing(p: Mapping[str, Any], times: Sequence[Fraction], claimed: Claimed) -> Results:
     """A sphere that bounces on a floor: flights and contacts by turns, the apexes where y' = 0.
 
     A phase lasts about `span`: the time to fall back to the floor, or half a period of the contact.
@@ -221,7 +221,7 @@ def pressing(k: arb, c: arb, gravity: arb, radius: arb, t: Any, s: Sequence[Any]
     return [s[1], (radius - s[0]) * k - s[1] * c - gravity]
 
 
-def alike(p: Mapping[str, Any], times: Sequence[Fraction], claimed: Claimed) -> Said:
+def alike(p: Mapping[str, Any], times: Sequence[Fraction], claimed: Claimed) -> Results:
     """Two spheres head-on under Hertz's law."""
     halved = arb_of(p["mass"]) / 2
     yield from contacts.hertz(
@@ -231,7 +231,7 @@ def alike(p: Mapping[str, Any], times: Sequence[Fraction], claimed: Claimed) -> 
     )
 
 
-def spun(p: Mapping[str, Any], times: Sequence[Fraction], claimed: Claimed) -> Said:
+def spun(p: Mapping[str, Any], times: Sequence[Fraction], claimed: Claimed) -> Results:
     """Two spheres that spin about z and close head-on under the linear law."""
     spins = (Fraction(0), Fraction(0), p["spins"][0], Fraction(0), Fraction(0), p["spins"][1])
     yield from two_spheres(
@@ -239,7 +239,7 @@ def spun(p: Mapping[str, Any], times: Sequence[Fraction], claimed: Claimed) -> S
     )
 
 
-MEMBERS: dict[str, Callable[[Mapping[str, Any], Sequence[Fraction], Claimed], Said]] = {
+MEMBERS: dict[str, Callable[[Mapping[str, Any], Sequence[Fraction], Claimed], Results]] = {
     **dict.fromkeys(("co-3", "co-4", "co-5", "co-6", "dem-05"), on_wall),
     **dict.fromkeys(("co-7", "co-8"), spun),
     **dict.fromkeys(("dem-01", "dem-02"), bouncing),
@@ -257,7 +257,7 @@ MEMBERS: dict[str, Callable[[Mapping[str, Any], Sequence[Fraction], Claimed], Sa
 """Every member of the case."""
 
 
-def impact(p: Mapping[str, Any], times: Sequence[Fraction], claimed: Claimed) -> Said:
+def impact(p: Mapping[str, Any], times: Sequence[Fraction], claimed: Claimed) -> Results:
     """The impact under the law of the member."""
     yield from MEMBERS[p["member"]](impact_numbers(p), times, claimed)
 

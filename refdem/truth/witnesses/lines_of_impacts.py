@@ -12,7 +12,7 @@ from flint import arb, arb_mat
 from refdem.core.parameters import Exact
 from refdem.truth.balls import arb_of
 from refdem.truth.exact import number, vector
-from refdem.truth.witnesses.testimony import Claimed, Said, Witness
+from refdem.truth.witnesses.cross_check import Claimed, Results, Witness
 
 METHOD = (
     "the next impact of all pairs in balls, speeds from the balances of the pair by elimination,"
@@ -83,7 +83,7 @@ class Line:
         return found
 
 
-def newtons_cradle(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claimed) -> Said:
+def newtons_cradle(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claimed) -> Results:
     """The states at the times, then the scalars."""
     line = Line(p)
     before = line.energy()

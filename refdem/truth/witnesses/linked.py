@@ -17,13 +17,13 @@ from flint import arb, arb_mat, fmpq, fmpq_mat
 from refdem.core.parameters import Exact
 from refdem.truth.balls import arb_of
 from refdem.truth.exact import number, numbers, vector
+from refdem.truth.witnesses.cross_check import Claimed, Results, Witness
 from refdem.truth.witnesses.taylor import Solution
-from refdem.truth.witnesses.testimony import Claimed, Said, Witness
 
 METHOD = "Taylor integration at 58 digits, unproven (refdem/truth/witnesses/linked.py)"
 
 
-def captured(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claimed) -> Said:
+def captured(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claimed) -> Results:
     """The captured mass: straight from (-2 r, -r) to (0, -r), then on a circle.
 
     The circle is integrated under the force -m v^2 r/r^2 alone.
@@ -49,7 +49,7 @@ def held(t: Any, s: Sequence[Any]) -> list[Any]:
     return [vx, vy, -x * pull, -y * pull]
 
 
-def standing(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claimed) -> Said:
+def standing(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claimed) -> Results:
     """A pendulum let go `delta` from the top or the bottom, in Cartesian coordinates with the rod's
     force.
     """
@@ -77,7 +77,7 @@ def swinging(length: arb, gravity: arb, t: Any, s: Sequence[Any]) -> list[Any]:
     return [vx, vy, -rod * x, -rod * y - gravity]
 
 
-def kapitza(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claimed) -> Said:
+def kapitza(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claimed) -> Results:
     """The Kapitza pendulum, its drive a function of time, and its Floquet multipliers.
 
     l theta'' = (g + y'') sin theta for a pivot at y = a cos(w t), theta from the top. The
@@ -117,7 +117,7 @@ def lifted(e: Mapping[str, arb], t: Any, s: Sequence[Any]) -> list[Any]:
     return [thetadot, (e["gravity"] - pivot) * theta.sin() / e["length"]]
 
 
-def double(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claimed) -> Said:
+def double(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claimed) -> Results:
     """The double pendulum in Cartesian coordinates, each bob relative to what it hangs from.
 
     The state is d1, d1', d2, d2' (2 each) and the two angles, which are integrals of (d x d')/d^2:
@@ -177,7 +177,7 @@ def hung(m1: arb, m2: arb, gravity: arb, t: Any, s: Sequence[Any]) -> list[Any]:
     return [vx1, vy1, ax1, ay1, vx2, vy2, ax2, ay2, thetadot1, thetadot2]
 
 
-def coupled(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claimed) -> Said:
+def coupled(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claimed) -> Results:
     """Two pendulums joined by a spring, in Cartesian coordinates, each bob relative to its pivot.
 
     The state is d1, d1', d2, d2' (2 each) and the two angles, which are integrals of (d x d')/d^2:
@@ -231,7 +231,7 @@ def joined(masses: Sequence[arb], e: Mapping[str, Fraction], t: Any, s: Sequence
     return rates + turning
 
 
-def over_wheel(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claimed) -> Said:
+def over_wheel(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claimed) -> Results:
     """Pendulum, wheel and mass, in the state (r, theta, u, m r^2 theta') with u = r' - R theta'."""
     names = (
         "mass",
@@ -285,7 +285,7 @@ def wound(e: Mapping[str, arb], string_mass: arb, t: Any, s: Sequence[Any]) -> l
     return [u + thetadot * radius, thetadot, u_rate, momentum_rate]
 
 
-def cluster(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claimed) -> Said:
+def cluster(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claimed) -> Results:
     """The rigid cluster in the axes in which it is given; no principal axis is looked for.
 
     The attitude q starts at 1 and obeys q' = q omega_body/2 with omega_body = J^-1 R(q)^T L, L

@@ -10,13 +10,13 @@ from flint import arb
 from refdem.core.parameters import Exact
 from refdem.truth.balls import arb_of, precision
 from refdem.truth.exact import number, vector
+from refdem.truth.witnesses.cross_check import Claimed, Results, Witness
 from refdem.truth.witnesses.taylor import BITS, Solution
-from refdem.truth.witnesses.testimony import Claimed, Said, Witness
 
 METHOD = "Taylor integration at many digits, unproven (refdem/truth/witnesses/lorenz.py)"
 
 
-def of_lorenz(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claimed) -> Said:
+def of_lorenz(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claimed) -> Results:
     """Lorenz' equations by Taylor integration in their own time; equilibria as the places where
     each rate is 0, the border as the rho of a pair of roots on the imaginary axis.
     """

@@ -10,15 +10,15 @@ from flint import arb
 from refdem.core.parameters import Exact
 from refdem.truth.balls import arb_of, precision
 from refdem.truth.exact import number, vector
+from refdem.truth.witnesses.cross_check import Claimed, Results, Witness
 from refdem.truth.witnesses.taylor import Solution
-from refdem.truth.witnesses.testimony import Claimed, Said, Witness
 
 METHOD = "iteration at many digits, unproven (refdem/truth/witnesses/maps.py)"
 SCALE = 4096
 """Bits after the point of the fixed-point numbers: an iterate loses two."""
 
 
-def logistic(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claimed) -> Said:
+def logistic(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claimed) -> Results:
     """The logistic map x -> eta x (1 - x) in fixed-point numbers of 2^-4096; the logistic equation
     x' = eta x (1 - x) by Taylor integration.
     """
@@ -39,7 +39,7 @@ def logistic(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claimed
         yield t, {"x_n": arb_of(Fraction(x, one))}
 
 
-def billiard(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claimed) -> Said:
+def billiard(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claimed) -> Results:
     """Position and direction after each bounce, by the nearest wall ahead.
 
     Straight walls are met by their line, half circles by their chord.

@@ -23,8 +23,8 @@ from refdem.truth.witnesses.collisions import (
     flown,
     phases,
 )
+from refdem.truth.witnesses.cross_check import Claimed, Results
 from refdem.truth.witnesses.taylor import Solution
-from refdem.truth.witnesses.testimony import Claimed, Said
 
 LEVERS = {"R": Fraction(0), "R-d/2": Fraction(1, 2), "R-d": Fraction(1)}
 
@@ -41,7 +41,7 @@ def nine(
     return quantities
 
 
-def stacked(p: Mapping[str, Any], times: Sequence[Fraction], claimed: Claimed) -> Said:
+def stacked(p: Mapping[str, Any], times: Sequence[Fraction], claimed: Claimed) -> Results:
     """Two spheres squeezed between floor and ceiling; only as long as no contact opens.
 
     The state is (y1, v1, y2, v2); each of the three contacts pushes with k d + c d'.
@@ -71,7 +71,7 @@ def stacked(p: Mapping[str, Any], times: Sequence[Fraction], claimed: Claimed) -
         yield t, nine("1", y=y1, vy=v1) | nine("2", y=y2, vy=v2)
 
 
-def sliding_to_roll(p: Mapping[str, Any], times: Sequence[Fraction], claimed: Claimed) -> Said:
+def sliding_to_roll(p: Mapping[str, Any], times: Sequence[Fraction], claimed: Claimed) -> Results:
     """A sphere that slides on a floor until it rolls: state (x, y, vx, vy, spin).
 
     Friction is mu N against the slip vx + R spin, and ends with it; N = k (R - y).
@@ -205,7 +205,7 @@ class Trio(Colliding):
         return "stick", [*s[:15], *limits]
 
 
-def squeezed(p: Mapping[str, Any], times: Sequence[Fraction], claimed: Claimed) -> Said:
+def squeezed(p: Mapping[str, Any], times: Sequence[Fraction], claimed: Claimed) -> Results:
     """Three spheres, the middle one squeezed; only with a tangential spring."""
     if not p["tangential_stiffness"]:
         return
@@ -355,7 +355,7 @@ class Mindlin:
             low = high
 
 
-def mindlin_wall(p: Mapping[str, Any], times: Sequence[Fraction], claimed: Claimed) -> Said:
+def mindlin_wall(p: Mapping[str, Any], times: Sequence[Fraction], claimed: Claimed) -> Results:
     """A sphere on a wall with Mindlin's spring on Hertz's contact."""
     law = Mindlin(p)
     contact = list(law.phases())
@@ -491,7 +491,7 @@ def passing(
     p: Mapping[str, Any],
     times: Sequence[Fraction],
     claimed: Claimed,
-) -> Said:
+) -> Results:
     """The impulses that the contact of a prescribed path gives body 1, and the path of body 2.
 
     `axes` has those of the plane and its normal as columns. The spheres touch at x = -sqrt((R1 +

@@ -13,8 +13,8 @@ from flint import acb, arb
 from refdem.core.parameters import Exact
 from refdem.truth.balls import arb_of
 from refdem.truth.exact import number, numbers, vector
+from refdem.truth.witnesses.cross_check import Claimed, Results, Witness
 from refdem.truth.witnesses.taylor import Solution
-from refdem.truth.witnesses.testimony import Claimed, Said, Witness
 
 Force = Callable[[Any, Any, Any], Any]
 """x'' of (t, x, v)."""
@@ -23,7 +23,7 @@ METHOD = "Taylor integration of x'' at 58 digits, unproven (refdem/truth/witness
 
 def motion(
     acceleration: Force, x0: Fraction, v0: Fraction, times: Sequence[Fraction], claimed: Claimed
-) -> Said:
+) -> Results:
     """x and v at the times, and the period if one is claimed.
 
     The period is the time near the claimed one at which v is 0 again after a start at rest, or x
@@ -59,7 +59,7 @@ def of(
     `start` names the parameters of x0 and v0; an empty name stands for 0.
     """
 
-    def values(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claimed) -> Said:
+    def values(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claimed) -> Results:
         x0, v0 = (number(p, name) if name else Fraction(0) for name in start)
         # Of a damped motion only turning points come back after a period.
         if "delta" in names and v0:
@@ -110,7 +110,7 @@ def van_der_pol(p: dict[str, arb]) -> Force:
     return lambda t, x, v: (1 - x * x) * v * p["mu"] - x + (t * p["drive"]).sin() * p["p"]
 
 
-def power(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claimed) -> Said:
+def power(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claimed) -> Results:
     """The power oscillator m x'' = -k |x|^n sgn x; where n is no whole number, by `rooted`.
 
     For whole n phase by phase from one passage of the centre to the next: the power is smooth on
@@ -150,7 +150,7 @@ def power(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claimed) -
         phase_number += 1
 
 
-def rooted(exact: Mapping[str, Fraction], times: Sequence[Fraction]) -> Said:
+def rooted(exact: Mapping[str, Fraction], times: Sequence[Fraction]) -> Results:
     """The power oscillator with the exponent a/b: a quarter of a period, mirrored for the rest.
 
     In s = x^(1/b), as a function of z with dt = b s^(b-1) dz, the motion is smooth at the centre:
@@ -209,7 +209,7 @@ def pulled(n: int, strength: arb, t: Any, y: Sequence[Any]) -> list[Any]:
     return [y[1], -strength * x_power]
 
 
-def steadily_driven(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claimed) -> Said:
+def steadily_driven(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claimed) -> Results:
     """The motion, and the steady amplitude |f0/(w0^2 - w^2 + 2 i delta w)|."""
     yield from MOVING.values(p, times, claimed)
     e = {name: arb_of(number(p, name)) for name in ("mass", "stiffness", "delta", "f0", "drive")}
@@ -220,7 +220,7 @@ def steadily_driven(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: 
         yield None, {"steady_amplitude": abs(acb(e["f0"]) / response)}
 
 
-def quadratic(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claimed) -> Said:
+def quadratic(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claimed) -> Results:
     """x'' = -2 delta x' - w0^2 x - eps x^2 + sum of f0 cos(drive t)."""
     w0, eps, delta = (arb_of(number(p, name)) for name in ("w0", "eps", "delta"))
     drives = [

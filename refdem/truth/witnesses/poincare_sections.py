@@ -11,9 +11,9 @@ from flint import arb
 from refdem.core.parameters import Exact
 from refdem.truth.balls import arb_of
 from refdem.truth.exact import number
+from refdem.truth.witnesses.cross_check import Claimed, Results, Witness
 from refdem.truth.witnesses.stick_slip import NAMES, SCAN, Law
 from refdem.truth.witnesses.taylor import Solution
-from refdem.truth.witnesses.testimony import Claimed, Said, Witness
 
 METHOD = (
     "Taylor integration of slips, passages by a scan and the secant"
@@ -23,7 +23,7 @@ MOST_PERIODS = 16
 """Periods in which points are looked for, of drive or spring, whichever is longer."""
 
 
-def sections(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claimed) -> Said:
+def sections(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claimed) -> Results:
     """The points of both sections that are claimed."""
     law = Law(
         {name: arb_of(number(p, name)) for name in NAMES}, linear=p["friction_law"] == "linear"

@@ -11,8 +11,8 @@ from flint import arb
 from refdem.core.parameters import Exact
 from refdem.truth.balls import arb_of
 from refdem.truth.exact import number, numbers, vector
+from refdem.truth.witnesses.cross_check import Claimed, Results, Witness
 from refdem.truth.witnesses.taylor import Solution
-from refdem.truth.witnesses.testimony import Claimed, Said, Witness
 
 METHOD = (
     "Taylor integration in Cartesian coordinates at 58 digits, unproven"
@@ -20,7 +20,7 @@ METHOD = (
 )
 
 
-def pendulum(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claimed) -> Said:
+def pendulum(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claimed) -> Results:
     """The pendulum in Cartesian coordinates, with theta from its rate.
 
     x'' = -T x/(m l), y'' = -g - T y/(m l) with the rod's force T = m (v^2 - g y)/l, and theta' = (x
@@ -70,7 +70,7 @@ def pendulum(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claimed
         yield None, {"period": solution.crossing(from_return, period, period / 64)}
 
 
-def orbit(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claimed) -> Said:
+def orbit(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claimed) -> Results:
     """An orbit under Kepler's law or a central spring, from the apse on +x; the period at y = 0.
 
     r'' = -gm r/|r|^3, starting at a (1 - e) with v^2 = gm (1 + e)/(a (1 - e)); or r'' = -w^2 r,
@@ -112,7 +112,7 @@ def _mass(p: Mapping[str, Exact]) -> Fraction:
     return Fraction(1)
 
 
-def free(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claimed) -> Said:
+def free(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claimed) -> Results:
     """A body that nothing acts on, r' = v, q' = omega q/2 with omega along z; or bodies in balance.
 
     The state is (x, y, z, q).
@@ -139,7 +139,7 @@ def free(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claimed) ->
         yield t, quantities
 
 
-def balanced(p: Mapping[str, Any], times: Sequence[Fraction]) -> Said:
+def balanced(p: Mapping[str, Any], times: Sequence[Fraction]) -> Results:
     """Bodies of one weight on each other over the ground: nothing moves if every contact force is
     the weight above it.
 

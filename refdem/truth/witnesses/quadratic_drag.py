@@ -9,13 +9,13 @@ from flint import arb
 from refdem.core.parameters import Exact
 from refdem.truth.balls import arb_of
 from refdem.truth.exact import number
+from refdem.truth.witnesses.cross_check import Claimed, Results, Witness
 from refdem.truth.witnesses.taylor import Solution
-from refdem.truth.witnesses.testimony import Claimed, Said, Witness
 
 METHOD = "Taylor integration at 58 digits, unproven (truth/witnesses/quadratic_drag.py)"
 
 
-def values(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claimed) -> Said:
+def values(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claimed) -> Results:
     """y [m], v [m/s], and the turning point: the way up with one sign of the drag, the way down
     with the other.
     """

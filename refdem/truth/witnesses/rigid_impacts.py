@@ -21,14 +21,14 @@ from flint import arb, arb_mat
 from refdem.core.parameters import Exact
 from refdem.truth.balls import arb_of
 from refdem.truth.exact import number, vector
-from refdem.truth.witnesses.testimony import Claimed, Said, Witness
+from refdem.truth.witnesses.cross_check import Claimed, Results, Witness
 
 METHOD = (
     "balance equations of both bodies and of the contact by elimination, time of impact by"
     " bisection, unproven (refdem/truth/witnesses/rigid_impacts.py)"
 )
 HALVINGS = 300
-"""Bisections of the time of impact: 2^-300 of the interval is beyond the bits of a testimony."""
+"""Bisections of the time of impact: 2^-300 of the interval is beyond the bits of a cross-check."""
 LAW = ("restitution", "tangential_restitution", "friction")
 Triple = list[Any]
 
@@ -225,7 +225,7 @@ def said(
     normal: Triple,
     law: Mapping[str, arb],
     times: Sequence[Fraction],
-) -> Said:
+) -> Results:
     """Scalars and states of a motion that has one impact."""
     after, impulse = struck(spheres, normal, law)
     before: list[arb] = []
@@ -260,7 +260,7 @@ def said(
         yield t, values
 
 
-def hard_spheres(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claimed) -> Said:
+def hard_spheres(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claimed) -> Results:
     """Two spheres in the frame of their centre of mass."""
     masses = [arb_of(x) for x in vector(p, "masses")]
     radii = [arb_of(x) for x in vector(p, "radii")]
@@ -293,7 +293,7 @@ def hard_spheres(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Cla
     yield from said(spheres, impact_time, normal, law, times)
 
 
-def hard_wall(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claimed) -> Said:
+def hard_wall(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claimed) -> Results:
     """One sphere and a wall through the origin."""
     normal = [arb_of(x) for x in vector(p, "normal")]
     norm = length(normal)

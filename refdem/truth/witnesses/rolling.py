@@ -16,8 +16,8 @@ from flint import arb
 from refdem.core.parameters import Exact
 from refdem.truth.balls import arb_of
 from refdem.truth.exact import number
+from refdem.truth.witnesses.cross_check import Claimed, Results, Witness
 from refdem.truth.witnesses.rigid_impacts import HALVINGS
-from refdem.truth.witnesses.testimony import Claimed, Said, Witness
 
 METHOD = (
     "the angular momentum about the line of contact, and the slip, whose zero is found by"
@@ -105,7 +105,7 @@ class Body:
         return way
 
 
-def rolling(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claimed) -> Said:
+def rolling(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claimed) -> Results:
     """The states at the times, and when and how fast it rolls."""
     body = Body(p)
     for t in times:

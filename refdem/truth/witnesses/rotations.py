@@ -13,8 +13,8 @@ from flint import arb
 from refdem.core.parameters import Exact
 from refdem.truth.balls import arb_of
 from refdem.truth.exact import number, vector
+from refdem.truth.witnesses.cross_check import Claimed, Results, Witness
 from refdem.truth.witnesses.taylor import Solution
-from refdem.truth.witnesses.testimony import Claimed, Said, Witness
 
 METHOD = (
     "Taylor integration of Euler's equations and of qdot = q omega_body/2 at 58 digits, unproven"
@@ -68,7 +68,7 @@ def quantities(state: Sequence[arb]) -> dict[str, arb]:
 
 def tumbling(
     p: Mapping[str, Exact], omega: Sequence[arb], times: Sequence[Fraction], claimed: Claimed
-) -> Said:
+) -> Results:
     """The motion of a free body that starts with omega_body = `omega` [rad/s], and its period."""
     q = [arb_of(component) for component in vector(p, "attitude")]
     length = sum((component * component for component in q), arb(0)).sqrt()
@@ -98,12 +98,12 @@ def returned(solution: Solution, claimed: Claimed) -> dict[str, arb]:
     return {"period": solution.crossing(change, period, period / 256)}
 
 
-def free(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claimed) -> Said:
+def free(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claimed) -> Results:
     """The motion of a free body from omega_body of the case."""
     return tumbling(p, [arb_of(part) for part in vector(p, "omega_body")], times, claimed)
 
 
-def beside_axis(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claimed) -> Said:
+def beside_axis(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claimed) -> Results:
     """The motion of a free body from omega_body plus `offset` times its size along the axis
     `direction`.
     """
@@ -114,7 +114,7 @@ def beside_axis(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Clai
     return tumbling(p, omega, times, claimed)
 
 
-def damped(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claimed) -> Said:
+def damped(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claimed) -> Results:
     """The body with internal damping c, by its angular momentum L in principal axes.
 
     L' = L x (omega + c L x omega) with L x (L x omega) = L (L . omega) - omega |L|^2 and omega_i =

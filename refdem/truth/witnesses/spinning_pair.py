@@ -20,8 +20,8 @@ from flint import arb
 from refdem.core.parameters import Exact
 from refdem.truth.balls import arb_of
 from refdem.truth.exact import number, vector
+from refdem.truth.witnesses.cross_check import Claimed, Results
 from refdem.truth.witnesses.taylor import Solution
-from refdem.truth.witnesses.testimony import Claimed, Said
 
 GRID = 256
 """Looks for a switch in a contact; the first ones after a switch are 2^-12 of that apart, then
@@ -223,7 +223,7 @@ class Bodies:
         return self.mu * self.force(s) - self.kt * dot(s[18:21], s[18:21]).sqrt()
 
 
-def spinning(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claimed) -> Said:
+def spinning(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claimed) -> Results:
     """r, v and omega of both spheres, and the duration of the contact if that is claimed.
 
     Nothing is said of spheres that do not slip at touch: there friction has no direction.

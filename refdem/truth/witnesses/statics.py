@@ -17,9 +17,9 @@ from flint import arb, arb_mat, nmod_mat
 from refdem.core.parameters import Exact
 from refdem.truth.balls import arb_of
 from refdem.truth.exact import number, numbers, vector
+from refdem.truth.witnesses.cross_check import Claimed, Results, Witness
 from refdem.truth.witnesses.koenig import of_points
 from refdem.truth.witnesses.quaternion_rules import rules
-from refdem.truth.witnesses.testimony import Claimed, Said, Witness
 from refdem.truth.witnesses.turned_body import of_body, of_triangle
 from refdem.truth.witnesses.turns import (
     about,
@@ -94,7 +94,7 @@ def freedom(points: Sequence[Sequence[Fraction]]) -> tuple[int, int]:
     return dimension * count - rank(rods), rank(rigid)
 
 
-def counted(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claimed) -> Said:
+def counted(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claimed) -> Results:
     """Every row of degrees-of-freedom: for points in general and in degenerate places."""
     flat = vector(p, "points")
     space = [flat[3 * i : 3 * i + 3] for i in range(5)]
@@ -273,7 +273,7 @@ def turned(rule: Rule, q: Sequence[Fraction]) -> Rule:
         yield weight, [x / norm_square for x in image]
 
 
-def weighed(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claimed) -> Said:
+def weighed(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claimed) -> Results:
     """Mass, centre of mass and inertia tensor of every solid, as sums over the points of its rule.
 
     The tensor is about the centre of mass; that of cuboid-at-corner about its corner, that of
@@ -355,7 +355,7 @@ def added(a: Sequence[Any], b: Sequence[Any]) -> list[Any]:
     return [x + y for x, y in zip(a, b, strict=True)]
 
 
-def quaternions(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claimed) -> Said:
+def quaternions(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claimed) -> Results:
     """Every row of the case quaternions, by Hamilton's products and matrices 1 + 2 w [v] + 2 [v]^2.
 
     Products are exact rationals as long as nothing is divided by |q|; u = q/|q|.
@@ -488,7 +488,7 @@ PRODUCTS = (
 """Products of turns: name, first and second factor."""
 
 
-def rotations(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claimed) -> Said:
+def rotations(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claimed) -> Results:
     """Every row of the case rotations, by products of turns about coordinate axes."""
     frequency = arb_of(number(p, "frequency"))
     # Energy per moment of inertia: omega^2/2 with omega = 2 pi f, and with f in its place.

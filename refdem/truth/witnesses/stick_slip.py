@@ -12,8 +12,8 @@ from flint import arb
 from refdem.core.parameters import Exact
 from refdem.truth.balls import arb_of, precision
 from refdem.truth.exact import number
+from refdem.truth.witnesses.cross_check import Claimed, Results, Witness
 from refdem.truth.witnesses.taylor import BITS, Solution
-from refdem.truth.witnesses.testimony import Claimed, Said, Witness
 
 METHOD = (
     "Taylor integration of slips, the belt's motion while it sticks, events by a scan and the"
@@ -24,7 +24,7 @@ SCAN = 1 / 64
 NAMES = ("a", "mu0", "mu1", "lambda0", "lambda1", "belt", "gamma", "eta")
 
 
-def moving(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claimed) -> Said:
+def moving(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claimed) -> Results:
     """The motion phase after phase, slips and sticks, up to the last time.
 
     Scalars are the times at which it begins to stick and is released.

@@ -15,8 +15,8 @@ from flint import arb
 from refdem.core.parameters import Exact
 from refdem.truth.balls import arb_of
 from refdem.truth.exact import number, vector
+from refdem.truth.witnesses.cross_check import Claimed, Results, Witness
 from refdem.truth.witnesses.taylor import Solution
-from refdem.truth.witnesses.testimony import Claimed, Said, Witness
 
 METHOD = (
     "Taylor integration of Euler's equations and of the vertical in body axes at 58 digits,"
@@ -24,7 +24,7 @@ METHOD = (
 )
 
 
-def heavy(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claimed) -> Said:
+def heavy(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claimed) -> Results:
     """The angles and thetadot = -(cos theta)'/sin theta; the scalars of a start at a turning point.
 
     The period is then the time at which theta turns for the second time; the other end of the

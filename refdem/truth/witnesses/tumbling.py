@@ -13,8 +13,8 @@ from refdem.core.parameters import Exact
 from refdem.truth.balls import arb_of
 from refdem.truth.exact import number, vector
 from refdem.truth.witnesses import rotations
+from refdem.truth.witnesses.cross_check import Claimed, Results, Witness
 from refdem.truth.witnesses.taylor import Solution
-from refdem.truth.witnesses.testimony import Claimed, Said, Witness
 
 METHOD = (
     "Taylor integration of Euler's equations in body axes, contacts by a scan and bisection"
@@ -26,7 +26,7 @@ OFF, PRESSES, IDLES = range(3)
 """Modes of a corner: above the slope; in it and pressing; in it, but its force would pull."""
 
 
-def moving(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claimed) -> Said:
+def moving(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claimed) -> Results:
     """The member free as a free rigid body with a centre that moves uniformly; the box on the slope
     from event to event.
     """

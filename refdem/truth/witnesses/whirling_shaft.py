@@ -11,13 +11,13 @@ from flint import arb, fmpq, fmpq_poly
 from refdem.core.parameters import Exact
 from refdem.truth.balls import arb_of
 from refdem.truth.exact import number, vector
+from refdem.truth.witnesses.cross_check import Claimed, Results, Witness
 from refdem.truth.witnesses.taylor import Solution
-from refdem.truth.witnesses.testimony import Claimed, Said, Witness
 
 METHOD = "Taylor integration at 58 digits, unproven (truth/witnesses/whirling_shaft.py)"
 
 
-def values(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claimed) -> Said:
+def values(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claimed) -> Results:
     """x, y [m] and vx, vy [m/s], the growth rate [1/s], and the turning [rad/s] at the border."""
     mass = number(p, "mass")
     stiffness = number(p, "stiffness")

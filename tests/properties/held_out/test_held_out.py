@@ -16,7 +16,7 @@ from refdem.core.problem import Motion
 from refdem.core.selection import Selection
 from refdem.truth import load
 from refdem.truth.certified.writing import rows
-from refdem.truth.witnesses import testimony as witnessing
+from refdem.truth.witnesses import cross_check
 
 PRINTED = Fraction(1, 10**44)
 """Of its size (at least 1): mpmath's 60 digits leave 48 to be printed; four of them are left to its
@@ -71,7 +71,7 @@ all of it, and witness and proof take time in proportion.
 
 def test_every_case_with_truth_is_asked():
     assert {name for name, _ in QUESTIONS} | set(OTHERS) == CASES
-    assert set(OTHERS) <= set(witnessing.witnesses())
+    assert set(OTHERS) <= set(cross_check.witnesses())
 
 
 def drawn(case, seed):
@@ -102,7 +102,7 @@ def denied(case, instance, shift=Fraction(0)):
         times = []
     found, _ = rows(instance.truth().refined(40), times)
     moved = [(t, name, str(Fraction(mid) + shift), *rest) for t, name, mid, *rest in found]
-    said = witnessing.testimony(case.id, case.meant(instance.p), moved)
+    said = cross_check.cross_checked(case.id, case.meant(instance.p), moved)
     assert said is not None
     return said["values"], said["denied"]
 

@@ -6,7 +6,7 @@ import pytest
 
 from refdem.core.discovery import case, truth_of
 from refdem.truth.balls import arb_of, precision
-from refdem.truth.witnesses.testimony import AGREED, BITS, witnesses
+from refdem.truth.witnesses.cross_check import AGREED, BITS, witnesses
 
 
 @pytest.fixture

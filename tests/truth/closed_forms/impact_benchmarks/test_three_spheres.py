@@ -10,7 +10,7 @@ import pytest
 from refdem.cases.impact_benchmarks import member
 from refdem.core import discovery
 from refdem.truth.certified.writing import rows
-from refdem.truth.witnesses import testimony as witnessing
+from refdem.truth.witnesses import cross_check
 
 TINY = Fraction(1, 10**30)
 
@@ -35,7 +35,7 @@ def test_it_is_the_motion_of_three_bodies(given):
         Fraction(float(instance.times[-1])) * part for part in (Fraction(1, 8), Fraction(3, 8))
     ]
     balls, _ = rows(truth.refined(36), times)
-    said = witnessing.testimony("impact-benchmarks", instance.case.meant(instance.p), balls)
+    said = cross_check.cross_checked("impact-benchmarks", instance.case.meant(instance.p), balls)
     assert (said["values"], said["denied"]) == (55, [])
 
 

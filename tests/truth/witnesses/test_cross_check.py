@@ -13,8 +13,8 @@ from refdem.core.truth import Ball
 from refdem.truth import load
 from refdem.truth.certified.sources import ROOT, case_files, closure
 from refdem.truth.certified.writing import row, rows
-from refdem.truth.witnesses import testimony as witnessing
-from refdem.truth.witnesses.testimony import witness_files, witnesses
+from refdem.truth.witnesses import cross_check
+from refdem.truth.witnesses.cross_check import witness_files, witnesses
 
 SHARED = {"truth/balls.py", "truth/dual.py", "truth/exact.py"}
 """Conversions of exact numbers alone, and those that carry their derivatives."""
@@ -60,7 +60,7 @@ def test_every_case_has_a_witness_and_every_set_was_confirmed_by_it() -> None:
 def test_what_has_no_time_is_confirmed_to_the_last_value(case: str) -> None:
     for one in load(case):
         rows = [(None, v.quantity, v.mid, v.radius, None) for v in one.values]
-        said = witnessing.testimony(case, discovery.case(case).at(**given_of(one)).p, rows)
+        said = cross_check.cross_checked(case, discovery.case(case).at(**given_of(one)).p, rows)
         assert said is not None
         assert (said["values"], said["denied"]) == (len(rows), [])
 
@@ -79,7 +79,7 @@ def test_a_mass_that_starts_with_a_velocity_is_followed_through_its_first_turn(
     instance = discovery.case("coulomb-oscillator").at(**given)
     times = [Fraction(1, 3), Fraction(2), Fraction(6)]
     found = [row(t, name, ball) for t in times for name, ball in instance.truth().at(t).items()]
-    said = witnessing.testimony("coulomb-oscillator", instance.p, found)
+    said = cross_check.cross_checked("coulomb-oscillator", instance.p, found)
     assert said is not None
     assert (said["values"], said["denied"]) == (6, [])
 
@@ -96,7 +96,7 @@ def test_folds_of_a_spring_that_softens_are_confirmed_by_discriminants(
 ) -> None:
     instance = discovery.case("bifurcations").at(**given)
     found = [row(None, name, ball) for name, ball in instance.truth().scalars().items()]
-    said = witnessing.testimony("bifurcations", instance.p, found)
+    said = cross_check.cross_checked("bifurcations", instance.p, found)
     assert said is not None
     assert (said["values"], said["denied"]) == (16, [])
 
@@ -110,7 +110,7 @@ def test_a_broken_power_is_followed_through_its_centre(exponent: str, amplitude:
         row(None, "period", truth.scalars()["period"]),
         *(row(t, name, b) for t in times for name, b in truth.at(t).items()),
     ]
-    said = witnessing.testimony("power-oscillator", instance.p, found)
+    said = cross_check.cross_checked("power-oscillator", instance.p, found)
     assert said is not None
     assert (said["values"], said["denied"]) == (9, [])
 
@@ -140,7 +140,7 @@ def test_members_of_the_impact_benchmarks_are_confirmed_in_contact_and_after(
         for part in (0.2, 0.7)
     ]
     found, _ = rows(truth, times)
-    said = witnessing.testimony("impact-benchmarks", case.meant(instance.p), found)
+    said = cross_check.cross_checked("impact-benchmarks", case.meant(instance.p), found)
     assert said is not None
     assert (said["values"], said["denied"]) == (values, [])
 
@@ -149,10 +149,10 @@ def test_a_balance_that_is_off_confirms_nothing() -> None:
     case = discovery.case("newtons-first-law")
     meant = dict(case.meant(case.at(member="spheres").p))
     rows = [("1", "r1.z", "0", "0", None)]
-    assert witnessing.testimony("newtons-first-law", meant, rows) is not None
+    assert cross_check.cross_checked("newtons-first-law", meant, rows) is not None
     low, high = meant["heights"]
     assert (
-        witnessing.testimony(
+        cross_check.cross_checked(
             "newtons-first-law", meant | {"heights": [low, high + Fraction(1, 1024)]}, rows
         )
         is None
@@ -171,7 +171,7 @@ def test_a_witness_shares_no_code_with_the_truth(case: str) -> None:
 )
 def test_a_value_that_is_wrong_in_its_25th_digit_is_denied(case: str) -> None:
     p, rows = set_of(case)
-    said = witnessing.testimony(case, p, rows)
+    said = cross_check.cross_checked(case, p, rows)
     assert said is not None
     assert said["denied"] == []
     assert said["digits"] >= 30
@@ -179,14 +179,16 @@ def test_a_value_that_is_wrong_in_its_25th_digit_is_denied(case: str) -> None:
         (t, name, str(Fraction(mid) + Fraction(2, 10**24) * max(1, abs(Fraction(mid)))), *rest)
         for t, name, mid, *rest in rows
     ]
-    again = witnessing.testimony(case, p, wrong)
+    again = cross_check.cross_checked(case, p, wrong)
     assert again is not None
     assert len(again["denied"]) == said["values"]
 
 
-def test_a_case_without_a_witness_has_no_testimony() -> None:
+def test_a_case_without_a_witness_has_no_cross_check() -> None:
     assert (
-        witnessing.testimony("nobody-knows", {}, [row(None, "x", Ball(Fraction(1), Fraction(0)))])
+        cross_check.cross_checked(
+            "nobody-knows", {}, [row(None, "x", Ball(Fraction(1), Fraction(0)))]
+        )
         is None
     )
 

@@ -12,7 +12,7 @@ factor UPWARDS (growth.py), by which every reader of a bound multiplies it.
 
 Hypotheses, and where each is checked:
 
-* the balls from which an array is made are finite: `near` raises UndecidedError otherwise;
+* the balls from which an array is made are finite: `from_balls` raises UndecidedError otherwise;
 * the rounding of numbers below the normal doubles is counted: TINIEST;
 * doubles do not overflow: with an infinite bound S is BOUNDLESS (`bounded`, growth.py).
 """
@@ -37,48 +37,48 @@ TINIEST = 2.0**-1022
 
 
 @dataclass(frozen=True)
-class Near:
-    """Numbers at a distance of at most `off` from `middle`, two arrays of one shape."""
+class MidpointRadius:
+    """Numbers at a distance of at most `radius` from `midpoint`, two arrays of one shape."""
 
-    middle: Array
-    off: Array
+    midpoint: Array
+    radius: Array
 
     @property
     def size(self) -> Array:
         """The absolute values of the doubles."""
-        magnitudes: Array = np.abs(self.middle)
+        magnitudes: Array = np.abs(self.midpoint)
         return magnitudes
 
-    def __getitem__(self, key: Any) -> "Near":
-        return Near(self.middle[key], self.off[key])
+    def __getitem__(self, key: Any) -> "MidpointRadius":
+        return MidpointRadius(self.midpoint[key], self.radius[key])
 
-    def __matmul__(self, other: "Near") -> "Near":
+    def __matmul__(self, other: "MidpointRadius") -> "MidpointRadius":
         """The matrix product, with the bound of the theorem: r (|B| + s) + |A| s and rounding."""
         # r (|B| + s) + |A| s + (n + 1) 2^-52 |A| |B| + n 2^-1022, with A, B the midpoints and r, s
         # the radii of both factors.
-        count = self.middle.shape[-1]
-        middle = self.middle @ other.middle
-        inexact = self.off @ (other.size + other.off) + self.size @ other.off
+        count = self.midpoint.shape[-1]
+        middle = self.midpoint @ other.midpoint
+        inexact = self.radius @ (other.size + other.radius) + self.size @ other.radius
         rounding = (count + 1) * UNIT * (self.size @ other.size)
-        return Near(middle, inexact + rounding + count * TINIEST)
+        return MidpointRadius(middle, inexact + rounding + count * TINIEST)
 
-    def __mul__(self, other: "Near") -> "Near":
+    def __mul__(self, other: "MidpointRadius") -> "MidpointRadius":
         """The product entry by entry, with the bound r (|B| + s) + |A| s and its rounding."""
-        middle = self.middle * other.middle
-        inexact = self.off * (other.size + other.off) + self.size * other.off
-        return Near(middle, inexact + UNIT * np.abs(middle) + TINIEST)
+        middle = self.midpoint * other.midpoint
+        inexact = self.radius * (other.size + other.radius) + self.size * other.radius
+        return MidpointRadius(middle, inexact + UNIT * np.abs(middle) + TINIEST)
 
-    def __add__(self, other: "Near") -> "Near":
+    def __add__(self, other: "MidpointRadius") -> "MidpointRadius":
         # r + s + 2^-52 |fl(A + B)|.
-        middle = self.middle + other.middle
-        return Near(middle, self.off + other.off + UNIT * np.abs(middle))
+        middle = self.midpoint + other.midpoint
+        return MidpointRadius(middle, self.radius + other.radius + UNIT * np.abs(middle))
 
-    def __neg__(self) -> "Near":
-        return Near(-self.middle, self.off)
+    def __neg__(self) -> "MidpointRadius":
+        return MidpointRadius(-self.midpoint, self.radius)
 
 
-def near(values: Sequence[Any]) -> Near:
-    """The doubles near balls, which are given in nested lists of one shape; UndecidedError where a
+def from_balls(values: Sequence[Any]) -> MidpointRadius:
+    """The array of balls that are given in nested lists of one shape; UndecidedError where a
     ball is not finite.
     """
     balls = np.array(values, dtype=object)
@@ -87,15 +87,17 @@ def near(values: Sequence[Any]) -> Near:
         raise UndecidedError("the motion is not known at this precision", code="precision")
     middle = np.array([float(ball.mid()) for ball in flat])
     radius = np.array([float(ball.rad()) for ball in flat])
-    off = radius + UNIT * np.abs(middle) + TINIEST
-    return Near(middle.reshape(balls.shape), off.reshape(balls.shape))
+    bound = radius + UNIT * np.abs(middle) + TINIEST
+    return MidpointRadius(middle.reshape(balls.shape), bound.reshape(balls.shape))
 
 
-def exact(values: Array) -> Near:
+def exact(values: Array) -> MidpointRadius:
     """Doubles that are the numbers themselves, without error."""
-    return Near(values, np.zeros_like(values))
+    return MidpointRadius(values, np.zeros_like(values))
 
 
-def together(parts: Sequence[Near]) -> Near:
+def together(parts: Sequence[MidpointRadius]) -> MidpointRadius:
     """Arrays of one shape along a new first axis."""
-    return Near(np.array([one.middle for one in parts]), np.array([one.off for one in parts]))
+    return MidpointRadius(
+        np.array([one.midpoint for one in parts]), np.array([one.radius for one in parts])
+    )

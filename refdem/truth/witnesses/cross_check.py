@@ -23,7 +23,7 @@ AGREED = 24
 BITS = 256
 """The working precision [bit] of a witness: 77 digits, more than are compared."""
 
-Said = Iterator[tuple[Fraction | None, Mapping[str, arb]]]
+Results = Iterator[tuple[Fraction | None, Mapping[str, arb]]]
 Claimed = Mapping[str, Fraction]
 """Midpoints of the scalars, for a witness that looks for the same one: which of the roots is meant.
 """
@@ -37,7 +37,7 @@ class Witness:
     """
 
     method: str
-    values: Callable[[Mapping[str, Exact], Sequence[Fraction], Claimed], Said]
+    values: Callable[[Mapping[str, Exact], Sequence[Fraction], Claimed], Results]
 
 
 @cache
@@ -62,7 +62,7 @@ def witness_files(case: str) -> tuple[Path, ...]:
 
 
 @exclusive
-def testimony(
+def cross_checked(
     case: str, p: Mapping[str, Exact], rows: Sequence[Sequence[Any]]
 ) -> dict[str, Any] | None:
     """Who confirms how many of the values of a set (rows as the store has them), to how many
@@ -76,15 +76,15 @@ def testimony(
     times = sorted({Fraction(row[0]) for row in rows if row[0] is not None})
     claimed = {row[1]: Fraction(row[2]) for row in rows if row[0] is None}
     with precision(BITS):
-        said: dict[tuple[Fraction | None, str], arb] = {}
+        results: dict[tuple[Fraction | None, str], arb] = {}
         for t, values in witness.values(p, times, claimed):
             for name, value in values.items():
-                said[t, name] = value
+                results[t, name] = value
         differences: dict[tuple[Fraction | None, str], Fraction] = {}
         for row in rows:
             key = (_time(row[0]), row[1])
-            if key in said:
-                differences[key] = _difference(said[key], row)
+            if key in results:
+                differences[key] = _difference(results[key], row)
     if not differences:
         return None
     denied = set()
@@ -106,7 +106,7 @@ def _time(text: str | None) -> Fraction | None:
     return Fraction(text)
 
 
-def _difference(said: arb, row: Sequence[Any]) -> Fraction:
+def _difference(results: arb, row: Sequence[Any]) -> Fraction:
     """An upper bound of the difference between the witness and a row (t, name, mid, radius, ...).
 
     In units of the value where that is larger than 1; 10^6 if the witness knows no finite value.
@@ -114,7 +114,7 @@ def _difference(said: arb, row: Sequence[Any]) -> Fraction:
     mid = Fraction(row[2])
     radius = Fraction(row[3])
     size = max(Fraction(1), abs(mid)).__ceil__()
-    difference = (abs(said - arb_of(mid)) + arb_of(radius)) / size
+    difference = (abs(results - arb_of(mid)) + arb_of(radius)) / size
     if not difference.is_finite():
         return Fraction(10**6)
     mantissa, exponent = difference.abs_upper().man_exp()
