@@ -184,10 +184,15 @@ class Recommendation:
         )
 
     @property
+    def chooses_steps(self) -> bool:
+        """True for a method that has neither step nor tolerance and takes steps all the same."""
+        return any(choice.steps_taken for choice in self.held) and self.control == "exact"
+
+    @property
     def most_steps_per_tau(self) -> float:
         """Steps in the shortest time in the setting that asks for most of them: those of the step
-        that is recommended, or those that a method of a tolerance took, infinite where nobody
-        counted; an exact method needs none.
+        that is recommended, or those that a method took which chooses them itself. Where nobody
+        counted, an exact method needs none, and one of a tolerance infinitely many.
         """
         return max((_steps_of(choice) for choice in self.held), default=math.inf)
 
@@ -211,12 +216,12 @@ class Recommendation:
 
 def _steps_of(choice: Choice) -> float:
     """Steps in one tau by which methods are compared."""
-    if choice.control == "exact":
-        return 0.0
     if choice.steps_per_tau is not None:
         return choice.steps_per_tau
     if choice.steps_taken is not None:
         return choice.steps_taken
+    if choice.control == "exact":
+        return 0.0
     return math.inf
 
 

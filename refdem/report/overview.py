@@ -195,6 +195,8 @@ def advice_text(best: Recommendation | None, settings: int) -> str:
         return "none"
     if best.tolerance is not None:
         how = f"tolerance {best.tolerance:.1g}"
+    elif best.chooses_steps:
+        how = "steps of its own"
     elif best.steps_per_tau is None:
         how = "any step"
     else:

@@ -195,6 +195,10 @@ def test_of_methods_that_hold_as_many_settings_the_one_with_the_fewest_steps_is_
     assert advised_method(few, choice("own", 1e-6, "tolerance", steps_taken=3.0)) == "own"
     assert advised_method(few, choice("own", 1e-6, "tolerance", steps_taken=30.0)) == "few"
     assert advised_method(many, choice("own", 1e-6, "tolerance")) == "many"
+    # A method without step and tolerance may take steps of its own.
+    own = choice("own", 0.0, "exact", steps_taken=30.0)
+    assert advised_method(few, own) == "few"
+    assert overview.advice_text(overview._best([own]), 1) == "own, steps of its own"
     # No step at all is fewer than any, and settings come before steps.
     assert advised_method(few, choice("exact", 0.0, "exact", cost=99.0)) == "exact"
     assert advised_method(few, many, choice("many", 0.01)) == "many"
