@@ -30,6 +30,7 @@ from refdem.core.judgement import (
 from refdem.core.problem import Problem
 from refdem.core.refinement import MEMORY, kinked, scored
 from refdem.core.static_problems import Static
+from refdem.core.trajectory import Cost
 from refdem.core.truth import SampledTruth
 from refdem.core.variant import Variant
 from refdem.scene.elements.contact import Contact
@@ -141,7 +142,7 @@ class Error(Check):
         error = errors_by_level[worst_level][:count]
         point = _decisive_sample(error, allowed)
         levels = [
-            _level(subject, level, error, subject.bound(level), runs[Variant(level)].cost.seconds)
+            _level(subject, level, error, subject.bound(level), runs[Variant(level)].cost)
             for level, error in errors_by_level.items()
         ]
         claimed = subject.bound(worst_level)[point]
@@ -450,7 +451,7 @@ def _bound_over_signal(sight: Sight) -> float:
     return sight.sharpness
 
 
-def _level(subject: Subject, level: float, error: Array, allowed: Array, seconds: float) -> Level:
+def _level(subject: Subject, level: float, error: Array, allowed: Array, cost: Cost) -> Level:
     """The entry of one level: error, bound, cost, and whether the order is observed from it.
 
     A level counts for the order if its bound stays below the horizon and above 20 x round-off.
@@ -465,8 +466,9 @@ def _level(subject: Subject, level: float, error: Array, allowed: Array, seconds
         level=level,
         error=float(np.max(error)),
         bound=float(allowed[-1]),
-        seconds=seconds,
+        seconds=cost.seconds,
         counts=counts,
+        steps=cost.steps,
     )
 
 

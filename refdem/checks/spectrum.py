@@ -135,7 +135,9 @@ class Spectrum(Check):
             error = complex(found.rows[k] @ off[-1])
             # A body that never moves has a shift, too: what it lacks is the line of the motion.
             moved = abs(complex(found.rows[k] @ (true - true[0])))
-            signal = max(moved, SMALLEST)
+            signal = SMALLEST
+            if moved > rounding[k]:
+                signal = moved
             if abs(certified_line) <= rounding[k]:
                 # A line that symmetry forbids: any value beyond the bound is wrong.
                 signal = 0.0

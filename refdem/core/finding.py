@@ -49,14 +49,15 @@ DECIDED: tuple[Outcome, ...] = ("pass", "fail", "expected", "stale", "worse")
 
 class Level(msgspec.Struct, frozen=True, kw_only=True):
     """One refinement level: step or tolerance, largest error over the run in units of the
-    quantity's scale, its bound, seconds in the engine's loop, and whether it counts for the
-    order."""
+    quantity's scale, its bound, seconds in the engine's loop, whether it counts for the order, and
+    the steps that the run took (0: nobody counted, as in records of older versions)."""
 
     level: float
     error: float
     bound: float
     seconds: float
     counts: bool
+    steps: int = 0
 
 
 class Series(msgspec.Struct, frozen=True, kw_only=True):

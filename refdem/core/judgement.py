@@ -89,6 +89,13 @@ class Sight:
         return None
 
     @property
+    def movement(self) -> str:
+        """The signal as a sentence has it; the smallest of all stands for what nobody can see."""
+        if self.signal <= np.finfo(float).tiny:
+            return "no more than round-off"
+        return f"{self.signal:.2g}"
+
+    @property
     def is_blind(self) -> bool:
         """The bound is above a tenth of the signal."""
         return self.bound > MAX_BOUND_TO_SIGNAL * self.signal > 0
@@ -140,7 +147,7 @@ def judged(
         outcome = "undecided"
         why = (
             "the allowed error is more than a tenth of how far the quantity moves;"
-            f" {remedy}. It is allowed {sight.bound:.2g}, and moves by {sight.signal:.2g}"
+            f" {remedy}. It is allowed {sight.bound:.2g}, and moves by {sight.movement}"
         )
         sentence = f"{_undecided_because(why)} {sentence}"
     sharpness = None

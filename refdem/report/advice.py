@@ -26,8 +26,10 @@ class Choice:
     """The largest step [s], or tolerance, with which one method holds the digits in one setting.
 
     `level` is None where none does: `error` is then the smallest that was measured. `cost` is the
-    time [s] of computing for one second of motion. An extrapolated step is smaller than all that
-    ran; it and its cost follow from the measured order. `is_coarsest` where no larger step ran.
+    time [s] of computing for one second of motion. `steps_taken` in one tau is counted in the run
+    of that level; None where nobody counted, or where the step did not run. An extrapolated step is
+    smaller than all that ran; it and its cost follow from the measured order. `is_coarsest` where
+    no larger step ran.
     """
 
     record: Record
@@ -36,6 +38,7 @@ class Choice:
     level: float | None
     error: float
     cost: float
+    steps_taken: float | None = None
     is_extrapolated: bool = False
     is_coarsest: bool = False
 
@@ -96,6 +99,7 @@ def _choice(case: CaseSheet, row: Row, target: float) -> Choice:
             level=chosen.level,
             error=chosen.error,
             cost=chosen.seconds / duration,
+            steps_taken=_steps_taken(chosen, tau / duration),
             is_coarsest=holding == 0,
         )
     # error ~ h^p, so that the step for an error e is h_f (e/e_f)^(1/p), with the finest f.
@@ -120,6 +124,13 @@ def _choice(case: CaseSheet, row: Row, target: float) -> Choice:
         error=min(level.error for level in levels),
         cost=math.inf,
     )
+
+
+def _steps_taken(level: Level, part: float) -> float | None:
+    """The steps of a run in this part of its duration, None where nobody counted them."""
+    if not level.steps:
+        return None
+    return level.steps * part
 
 
 def _coarsest_holding(levels: tuple[Level, ...], target: float) -> int | None:
@@ -173,6 +184,19 @@ class Recommendation:
         )
 
     @property
+    def chooses_steps(self) -> bool:
+        """True for a method that has neither step nor tolerance and takes steps all the same."""
+        return any(choice.steps_taken for choice in self.held) and self.control == "exact"
+
+    @property
+    def most_steps_per_tau(self) -> float:
+        """Steps in the shortest time in the setting that asks for most of them: those of the step
+        that is recommended, or those that a method took which chooses them itself. Where nobody
+        counted, an exact method needs none, and one of a tolerance infinitely many.
+        """
+        return max((_steps_of(choice) for choice in self.held), default=math.inf)
+
+    @property
     def tolerance(self) -> float | None:
         """The tolerance that is enough for every setting, of a method controlled by one."""
         if self.control != "tolerance":
@@ -188,6 +212,17 @@ class Recommendation:
     def extrapolated(self) -> int:
         """How many of the steps are smaller than all that ran."""
         return sum(choice.is_extrapolated for choice in self.held)
+
+
+def _steps_of(choice: Choice) -> float:
+    """Steps in one tau by which methods are compared."""
+    if choice.steps_per_tau is not None:
+        return choice.steps_per_tau
+    if choice.steps_taken is not None:
+        return choice.steps_taken
+    if choice.control == "exact":
+        return 0.0
+    return math.inf
 
 
 def recommendations(found: Iterable[Choice]) -> list[Recommendation]:

@@ -52,7 +52,8 @@ class CaseLine:
 @dataclass(frozen=True)
 class Advised:
     """What is recommended to an engine for one kind of motion: for each number of digits of WANTED
-    the method that holds them in most settings, of these the cheapest; None where none does.
+    the method that holds them in most settings, of these the one with the fewest steps; None where
+    none does.
     """
 
     motion: str
@@ -162,11 +163,28 @@ def _is_of(choice: Choice, engine: str, motion: str, of_label: Mapping[str, str]
 
 
 def _best(found: list[Choice]) -> Recommendation | None:
-    """The method that holds in most settings, of these the cheapest; None if none holds in any."""
-    first, *_ = recommendations(found)
-    if not first.held:
+    """The method that holds in most settings, of these the one with the fewest steps, and of these
+    the first by name; None if none holds in any.
+
+    Steps are counted, not timed: a report of the same runs says the same on every machine.
+    """
+    best = min(recommendations(found), key=_fewest_steps_first)
+    if not best.held:
         return None
-    return first
+    return best
+
+
+def _fewest_steps_first(one: Recommendation) -> tuple[int, float, str]:
+    """Sorts methods of one engine: most settings, fewest steps as they are shown, name."""
+    return -len(one.held), _shown_steps(one.most_steps_per_tau), one.method
+
+
+def _shown_steps(steps: float) -> float:
+    """A number of steps in two digits, rounded up: with fewer, the digits were not seen to hold."""
+    if not 0 < steps < math.inf:
+        return steps
+    unit = 10.0 ** max(0, math.floor(math.log10(steps)) - 1)
+    return math.ceil(steps / unit) * unit
 
 
 def advice_text(best: Recommendation | None, settings: int) -> str:
@@ -177,16 +195,15 @@ def advice_text(best: Recommendation | None, settings: int) -> str:
         return "none"
     if best.tolerance is not None:
         how = f"tolerance {best.tolerance:.1g}"
+    elif best.chooses_steps:
+        how = "steps of its own"
     elif best.steps_per_tau is None:
         how = "any step"
     else:
         mark = ""
         if best.extrapolated:
             mark = "~"
-        # Two digits, rounded up: a longer step was not seen to hold.
-        steps = best.steps_per_tau
-        unit = 10.0 ** max(0, math.floor(math.log10(steps)) - 1)
-        how = f"{mark}{math.ceil(steps / unit) * unit:.0f} steps per tau"
+        how = f"{mark}{_shown_steps(best.steps_per_tau):.0f} steps per tau"
     if len(best.held) < settings:
         return f"{best.method}, {how} ({len(best.held)} of {settings} settings)"
     return f"{best.method}, {how}"

@@ -163,6 +163,7 @@ def _worst(same: list[Level]) -> Level:
         bound=min(x.bound for x in same),
         seconds=same[0].seconds,
         counts=any(x.counts for x in same),
+        steps=same[0].steps,
     )
 
 

@@ -100,6 +100,14 @@ def test_a_linear_spring_has_no_shift(judge) -> None:
     assert found["w"].outcome == "pass"
 
 
+def test_a_shift_that_the_motion_does_not_change_moves_by_round_off_at_most(judge) -> None:
+    """x(0) is the mean, but for round-off: what is left differs from processor to processor."""
+    given = {"gravity": "1", "delta": "2", "drive": "3", "duration": "5", "samples": "16"}
+    found = judge("spectrum", "driven-oscillator", "exact", **given)["shift"]
+    assert found.outcome == "undecided"
+    assert "moves by no more than round-off" in found.sentence
+
+
 def test_errors_of_samples_within_their_bounds_are_never_accused() -> None:
     """Those of the worst signs least of all: each bound is reached by its own line alone."""
     of = subject("quadratic-response", "second", **MIXED)

@@ -46,6 +46,13 @@ def test_what_is_not_decided_says_why():
     assert finding.sharpness == pytest.approx(30)
 
 
+def test_what_moves_by_round_off_alone_is_not_given_as_a_number():
+    smallest = float(np.finfo(float).tiny)
+    finding = judged(value=0.2, bound=0.3, sight=Sight(0.3, smallest), **WORDS)
+    assert finding.outcome == "undecided"
+    assert "It is allowed 0.3, and moves by no more than round-off." in finding.sentence
+
+
 def test_a_number_that_is_none_fails_however_blind_the_bound():
     assert judged(value=np.nan, bound=0.3, sight=Sight(0.3, 0.01), **WORDS).outcome == "fail"
 

@@ -142,6 +142,25 @@ def test_a_tolerance_is_chosen_and_never_extrapolated():
     assert only_choice(12, *levels, order=None).level is None
 
 
+def test_the_steps_that_a_tolerance_took_are_counted_in_the_shortest_time():
+    taken = [
+        Level(level=1e-4, error=1e-3, bound=1.0, seconds=1.0, counts=False, steps=40),
+        Level(level=1e-6, error=1e-6, bound=1.0, seconds=2.0, counts=False, steps=80),
+    ]
+    contents = contents_of([case(), engine(), record(*taken, order=None)])
+    (one,) = advice.recommendations(advice.choices(contents, 5))
+    # 80 steps in 10 s of motion: 4 in tau = 0.5 s.
+    assert one.most_steps_per_tau == 80 * TAU / DURATION
+    assert one.steps_per_tau is None
+
+
+def test_steps_of_a_tolerance_that_nobody_counted_are_more_than_any():
+    levels = (level(1e-4, 1e-3), level(1e-6, 1e-6))
+    contents = contents_of([case(), engine(), record(*levels, order=None)])
+    (one,) = advice.recommendations(advice.choices(contents, 5))
+    assert one.most_steps_per_tau == math.inf
+
+
 def test_an_exact_method_needs_no_step():
     choice = only_choice(9, level(0.0, 1e-14), order=None)
     assert choice.control == "exact"

@@ -177,6 +177,39 @@ def test_advice_says_method_step_and_where(best, settings, text):
     assert overview.advice_text(best, settings) == text
 
 
+def advised_method(*choices):
+    return overview._best(list(choices)).method
+
+
+def choice(method, level, control="step", **more):
+    found = record("a", "a", "alpha", method)
+    more = {"error": 1e-4, "cost": 1.0, "tau": 1.0, **more}
+    return Choice(record=found, control=control, level=level, **more)
+
+
+def test_of_methods_that_hold_as_many_settings_the_one_with_the_fewest_steps_is_advised():
+    few = choice("few", 0.1, cost=9.0)
+    many = choice("many", 0.01, cost=1.0)
+    assert advised_method(many, few) == "few"
+    # Steps that a method of a tolerance chose are counted; where nobody counted, it comes last.
+    assert advised_method(few, choice("own", 1e-6, "tolerance", steps_taken=3.0)) == "own"
+    assert advised_method(few, choice("own", 1e-6, "tolerance", steps_taken=30.0)) == "few"
+    assert advised_method(many, choice("own", 1e-6, "tolerance")) == "many"
+    # A method without step and tolerance may take steps of its own.
+    own = choice("own", 0.0, "exact", steps_taken=30.0)
+    assert advised_method(few, own) == "few"
+    assert overview.advice_text(overview._best([own]), 1) == "own, steps of its own"
+    # No step at all is fewer than any, and settings come before steps.
+    assert advised_method(few, choice("exact", 0.0, "exact", cost=99.0)) == "exact"
+    assert advised_method(few, many, choice("many", 0.01)) == "many"
+
+
+def test_steps_that_are_shown_as_the_same_number_are_the_same():
+    # 3334 and 3335 steps are shown as 3400: the first by name, not by the last digit of an error.
+    assert advised_method(choice("a", 1 / 3335.0), choice("b", 1 / 3334.0)) == "a"
+    assert advised_method(choice("a", 1 / 3401.0), choice("b", 1 / 3334.0)) == "b"
+
+
 def test_no_more_digits_are_shown_than_binary64_has():
     assert overview.shown_digits(float("inf")) == "16"
     assert overview.shown_digits(16.4) == "16"
