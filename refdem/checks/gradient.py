@@ -117,6 +117,9 @@ class Gradient(Check):
             matrix = subject.derivatives(subject, times)
         except NotCertifiedError as error:
             return [undecided(self.name, "matrix", str(error))]
+        lacking = _lacking(subject, runs, matrix)
+        if lacking:
+            return [lacking]
         columns = _columns(subject, runs, truth, samples, matrix)
         if not columns:
             return [undecided(self.name, "matrix", "no derivative is certified at these numbers")]
@@ -192,6 +195,23 @@ class Gradient(Check):
             order_seen=orders[-1],
             order_claimed=float(claimed),
         )
+
+
+def _lacking(
+    subject: Subject, runs: Mapping[Variant, CompletedRun], matrix: CertifiedMatrix
+) -> Finding | None:
+    """The failure of a run that has no derivatives by some number that was asked for, or None."""
+    for number in matrix.numbers:
+        rates = scene_rates(subject.instance, matrix.p, number) or {}
+        for level in subject.levels:
+            run = runs[Variant(level, "differentiated")].trajectory
+            for key in rates:
+                if key not in run.derivatives:
+                    says = f"The run has no derivatives by {key}, which the request asked for."
+                    return Finding(
+                        check="gradient", quantity="matrix", outcome="fail", sentence=says
+                    )
+    return None
 
 
 def _scatters(subject: Subject) -> bool:

@@ -112,6 +112,23 @@ def test_the_sentence_names_the_derivative_that_is_wrong():
     assert 1e-4 < matrix.value < 1.1e-3
 
 
+class Mute(Transparent):
+    """The transparent engine, which claims to differentiate and does not."""
+
+    def run(self, request):
+        """The run without its derivatives."""
+        trajectory, cost = super().run(request)
+        return replace(trajectory, derivatives={}), cost
+
+
+def test_a_run_without_what_was_asked_for_fails():
+    matrix = found("bouncing-ball", Mute(), levels=1, **BALL)["matrix"]
+    assert matrix.outcome == "fail"
+    assert matrix.sentence == (
+        "The run has no derivatives by scene.bodies.0.mass, which the request asked for."
+    )
+
+
 def test_derivatives_that_are_not_certified_decide_nothing():
     instance = discovery.case("bouncing-ball").at(**BALL)
     truth = truth_of(instance)

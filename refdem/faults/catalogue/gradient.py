@@ -5,14 +5,19 @@ from dataclasses import replace
 from functools import partial
 from typing import Any
 
+import msgspec
 import numpy as np
 from numpy.typing import NDArray
 
 from refdem.core.problem import Request
-from refdem.core.trajectory import Trajectory
+from refdem.core.trajectory import STATE, Trajectory
 from refdem.faults.change import of_parts, within
 from refdem.faults.fault import Fault
 from refdem.faults.tangent import value_of
+from refdem.faults.transparent import Transparent
+from refdem.mechanics.quaternion import conjugate, rotated
+from refdem.scene import Scene
+from refdem.scene.scene import encoded
 
 Array = NDArray[np.float64]
 Derivatives = dict[str, Array]
@@ -20,6 +25,9 @@ Derivatives = dict[str, Array]
 gradient = partial(Fault, kind="gradient", sees=("gradient", "matrix"), method="verlet-tangent")
 SMOOTH = ("differentiated-oscillator",)
 BOUNCING = ("differentiated-drop", "differentiated-wall")
+
+TOO_CLOSE = 2.0**-46
+"""Part of a number over which differences of two runs have hardly a digit left."""
 
 
 def of_derivatives(
@@ -38,6 +46,84 @@ def of_derivatives(
 def _negative(derivatives: Derivatives) -> Derivatives:
     """All derivatives with the other sign."""
     return {key: -slopes for key, slopes in derivatives.items()}
+
+
+def of_column(name: str, change: Callable[[Array], Array]) -> Callable[[Derivatives], Derivatives]:
+    """The derivatives with those by the numbers of one name changed, such as all of a `mass`."""
+
+    def changed(derivatives: Derivatives) -> Derivatives:
+        return {
+            key: change(slopes) if key.endswith(f".{name}") else slopes
+            for key, slopes in derivatives.items()
+        }
+
+    return changed
+
+
+def _of_other_column(one: str, other: str) -> Callable[[Derivatives], Derivatives]:
+    """The derivatives with those by two numbers told for each other."""
+
+    def changed(derivatives: Derivatives) -> Derivatives:
+        return derivatives | {one: derivatives[other], other: derivatives[one]}
+
+    return changed
+
+
+def _transposed(derivatives: Derivatives) -> Derivatives:
+    """The derivatives of states by the start with rows and columns of the matrix exchanged."""
+    places = {f"scene.bodies.0.position.{axis}": axis for axis in range(3)}
+    places |= {f"scene.bodies.0.velocity.{axis}": 3 + axis for axis in range(3)}
+    asked = [key for key in places if key in derivatives]
+    transposed = {key: np.array(slopes) for key, slopes in derivatives.items()}
+    for key in asked:
+        for other in asked:
+            transposed[key][:, 0, places[other]] = derivatives[other][:, 0, places[key]]
+    return transposed
+
+
+def _of_sample_before(slopes: Array) -> Array:
+    """Derivatives that are told one sample late."""
+    return np.concatenate([slopes[:1], slopes[:-1]])
+
+
+def in_body_axes(request: Request, run: Trajectory) -> Trajectory:
+    """The derivatives of places and velocities in axes that turn with the body."""
+    to_body = conjugate(run.attitude)
+    derivatives = {}
+    for key, slopes in run.derivatives.items():
+        turned = np.array(slopes)
+        turned[..., 0:3] = rotated(to_body, slopes[..., 0:3])
+        turned[..., 3:6] = rotated(to_body, slopes[..., 3:6])
+        derivatives[key] = turned
+    return replace(run, derivatives=derivatives)
+
+
+def by_differences(request: Request, run: Trajectory) -> Trajectory:
+    """Differences of two runs over TOO_CLOSE of each number in place of its derivatives."""
+    derivatives = {}
+    for key in request.sensitivities:
+        document = msgspec.json.decode(request.problem.scene.to_json())
+        *way, last = [_index(word) for word in key.split(".")[1:]]
+        holder = document
+        for word in way:
+            holder = holder[word]
+        value = holder[last]
+        distance = TOO_CLOSE * (abs(value) or 1.0)
+        ends = []
+        for side in (distance, -distance):
+            holder[last] = value + side
+            scene = Scene.from_json(encoded(document))
+            moved, _ = Transparent().run(replace(request.with_scene(scene), sensitivities=()))
+            ends.append(np.concatenate([getattr(moved, name) for name in STATE], axis=-1))
+        derivatives[key] = (ends[0] - ends[1]) / (2 * distance)
+    return replace(run, derivatives=derivatives)
+
+
+def _index(word: str) -> Any:
+    """A word of a key as the index of a list or the name of a field."""
+    if word.isdigit():
+        return int(word)
+    return word
 
 
 def _plain_time(time: Any) -> float:
@@ -83,5 +169,47 @@ FAULTS = (
         sentence="Every derivative has the other sign.",
         on=(*SMOOTH, *BOUNCING),
         after=of_derivatives(_negative),
+    ),
+    gradient(
+        name="gradient-transposed",
+        sentence="The derivatives by the start are the transposed matrix.",
+        on=SMOOTH,
+        after=of_derivatives(_transposed),
+    ),
+    gradient(
+        name="gradient-in-body-axes",
+        sentence="Derivatives of places and velocities are told in body axes.",
+        on=("differentiated-drop",),
+        after=in_body_axes,
+    ),
+    gradient(
+        name="gradient-by-close-differences",
+        sentence="Derivatives are differences over 2^-46 of a number, which rounding spoils.",
+        on=(*SMOOTH, *BOUNCING),
+        after=by_differences,
+    ),
+    gradient(
+        name="gradient-by-grams",
+        sentence="Derivatives by the mass are told by grams.",
+        on=SMOOTH,
+        after=of_derivatives(of_column("mass", lambda slopes: slopes / 1000.0)),
+    ),
+    gradient(
+        name="gradient-of-swapped-columns",
+        sentence="Derivatives by the mass and by the stiffness are told for each other.",
+        on=SMOOTH,
+        after=of_derivatives(_of_other_column("scene.bodies.0.mass", "scene.elements.0.stiffness")),
+    ),
+    gradient(
+        name="gradient-stale",
+        sentence="The derivatives by the stiffness are those of the sample before.",
+        on=SMOOTH,
+        after=of_derivatives(of_column("stiffness", _of_sample_before)),
+    ),
+    gradient(
+        name="gradient-zero",
+        sentence="Nothing depends on the restitution.",
+        on=BOUNCING,
+        after=of_derivatives(of_column("restitution", np.zeros_like)),
     ),
 )
