@@ -64,7 +64,9 @@ def lines(found: Iterable[Resolution]) -> list[str]:
             else:
                 printed.append(one_line(f"  {seen.number:36}{seen.size:>10}  {seen.by}"))
             if seen.computed_by:
-                computed = size_of(seen.computed)
+                computed = "-"
+                if seen.computed is not None:
+                    computed = size_of(seen.computed)
                 printed.append(one_line(f"  {'computed':36}{computed:>10}  {seen.computed_by}"))
     return printed
 
