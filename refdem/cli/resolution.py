@@ -35,6 +35,12 @@ def command(
     no_cache: Annotated[
         bool, typer.Option("--no-cache", help="Ignore what was measured before.")
     ] = False,
+    computed: Annotated[
+        bool,
+        typer.Option(
+            "--computed", help="Also compute it without misread runs, by certified derivatives."
+        ),
+    ] = False,
     json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
 ) -> None:
     """Finds the smallest relative misreading of each number of a scene that a run would notice.
@@ -53,7 +59,7 @@ def command(
     from refdem.cli.run import workers
     from refdem.core.parameters import labelled
     from refdem.core.store import Store, default_path
-    from refdem.planning import resolution
+    from refdem.planning import foreseen, resolution
     from refdem.planning.plan import present
     from refdem.planning.specification import Entry, Specification, named
     from refdem.report import resolution as page
@@ -80,6 +86,8 @@ def command(
     )
     if not found:
         raise UsageError("nothing was measured: none of the requested engines runs these cases")
+    if computed:
+        found = [foreseen.beside(specification, one) for one in found]
     if out is not None:
         page.write(out, found)
     if json:

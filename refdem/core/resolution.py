@@ -6,21 +6,31 @@ import msgspec
 class Seen(msgspec.Struct, frozen=True, kw_only=True, omit_defaults=True):
     """What is noticed of one number: the smallest relative misreading that some finding fails, and
     which does; None and the reason if nothing is noticed.
+
+    `computed` is what certified derivatives foresee of it, by the finding `computed_by`, which has
+    the reason where nothing is foreseen; both are empty where nothing was computed.
     """
 
     number: str
     smallest: float | None = None
     by: str = ""
     reason: str = ""
+    computed: float | None = None
+    computed_by: str = ""
 
     @property
     def size(self) -> str:
         """The smallest misreading that is noticed, rounded to two digits, or `nothing`."""
-        if self.smallest is None:
-            return "nothing"
-        if self.smallest < 1e-4:
-            return f"{self.smallest:.1e}"
-        return f"{100 * self.smallest:.2g} %"
+        return size_of(self.smallest)
+
+
+def size_of(smallest: float | None) -> str:
+    """A misreading rounded to two digits, or `nothing`."""
+    if smallest is None:
+        return "nothing"
+    if smallest < 1e-4:
+        return f"{smallest:.1e}"
+    return f"{100 * smallest:.2g} %"
 
 
 class Resolution(msgspec.Struct, frozen=True, kw_only=True, tag="resolution", tag_field="type"):

@@ -229,7 +229,7 @@ def resolution(
     perturbed runs are misread alike.
     """
     (task,) = plan.tasks(specification, instance, (), engine, truth, truth.reason)
-    narrow = msgspec.structs.replace(specification, checks=_checks(task))
+    narrow = msgspec.structs.replace(specification, checks=checks_of_plain_runs(task))
     judge = _Judge(narrow, engine, instance, truth, of_engine(engine))
     sound = judge.trial(None, 0.0)
     if any(finding.outcome in ("fail", "error") for finding in sound.findings):
@@ -245,7 +245,7 @@ def resolution(
     )
 
 
-def _checks(task: Task) -> list[str]:
+def checks_of_plain_runs(task: Task) -> list[str]:
     """Names of the checks that read nothing but plain runs of the refinement levels."""
     plain = set(task.subject.plain)
     return [check.name for check in task.checks if set(check.needs(task.subject)) <= plain]

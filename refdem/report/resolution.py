@@ -8,7 +8,7 @@ from pathlib import Path
 
 from refdem.core.finding import Record, Sheet
 from refdem.core.outside import markdown_text, one_line
-from refdem.core.resolution import Resolution
+from refdem.core.resolution import Resolution, size_of
 from refdem.report.files import written
 from refdem.report.jsonl import lines as jsonl
 from refdem.report.jsonl import sheets_in
@@ -63,6 +63,11 @@ def lines(found: Iterable[Resolution]) -> list[str]:
                 printed.append(one_line(f"  no misreading of {seen.number}, because {seen.reason}"))
             else:
                 printed.append(one_line(f"  {seen.number:36}{seen.size:>10}  {seen.by}"))
+            if seen.computed_by:
+                computed = "-"
+                if seen.computed is not None:
+                    computed = size_of(seen.computed)
+                printed.append(one_line(f"  {'computed':36}{computed:>10}  {seen.computed_by}"))
     return printed
 
 

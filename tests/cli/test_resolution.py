@@ -13,9 +13,10 @@ RUNNER = CliRunner()
 
 def test_the_command_measures_a_case_and_writes_a_page(tmp_path):
     words = ["resolution", "harmonic-oscillator", "--engine", "rebound", "--method", "leapfrog"]
-    result = RUNNER.invoke(app, [*words, "--out", str(tmp_path)])
+    result = RUNNER.invoke(app, [*words, "--out", str(tmp_path), "--computed"])
     assert result.exit_code == 0, result.output
     assert "stiffness of the spring" in result.stdout
+    assert "\ncomputed  " in result.stdout
     page = (tmp_path / "resolution.md").read_text()
     assert page.startswith("# Resolution")
     assert "| stiffness of the spring |" in page

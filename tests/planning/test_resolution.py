@@ -226,8 +226,8 @@ def test_only_checks_that_read_plain_runs_count():
     instance = discovery.case("free-rigid-body").at()
     asked = Specification(name="test", case=[], levels=3, method="rk4")
     (task,) = plan.tasks(asked, instance, (), discovery.engine("mujoco"), truth_of(instance), "")
-    from refdem.planning.resolution import _checks
+    from refdem.planning.resolution import checks_of_plain_runs
 
-    names = _checks(task)
+    names = checks_of_plain_runs(task)
     assert {"error", "energy"} <= set(names)
     assert not {"symmetry", "reversal", "determinism"} & set(names)

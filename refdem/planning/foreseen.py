@@ -1,0 +1,258 @@
+"""Resolution without a misread run: the smallest relative misreading of a number that the checks
+against truth would notice, from certified derivatives.
+
+Theorem: a number p misread by a factor 1 + a displaces every quantity q of a run by
+
+    dq(t) = a p dq/dp(t) + O(a^2),
+
+so that a bound b on its error is passed from a = b/(|dq/dp| |p|) on, where the run has no error of
+its own; the smallest such a, over samples, quantities and checks, is noticed.
+
+Hypotheses, and where each is checked:
+
+* derivatives exist, as a motion of another kind on one side has none: `sensitivities` brackets
+  them, and what is `missing` is said;
+* to first order the displacement of a run is that of the true motion, which a run that converges
+  obeys, and a is small: `SMALL`.
+
+Errors of the run itself count as they are: the runs that were judged are displaced by a p dq/dp,
+and judged again. Laws that are judged by states and not by quantities (energy, momentum, lengths of
+rods) are not displaced, and may notice less.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from fractions import Fraction
+from typing import Any
+
+import msgspec
+import numpy as np
+
+from refdem.core import discovery
+from refdem.core.case import Array, Instance
+from refdem.core.engine import Engine
+from refdem.core.parameters import labelled
+from refdem.core.problem import Request
+from refdem.core.resolution import Resolution, Seen
+from refdem.core.run import Run
+from refdem.core.trajectory import Trajectory
+from refdem.core.truth import SampledTruth
+from refdem.core.variant import Variant
+from refdem.errors import NotCertifiedError, RefdemError
+from refdem.faults import numbers as scene_numbers
+from refdem.planning import plan
+from refdem.planning.deviations import of_engine
+from refdem.planning.in_process import record_of, truth_of
+from refdem.planning.plan import Task
+from refdem.planning.resolution import FIRST, LEAST, Trial, checks_of_plain_runs, threshold
+from refdem.planning.specification import Specification
+from refdem.truth.sensitivities import Number, at_times, numbers_of, sensitivities
+
+DIGITS = 17
+"""Decimal places of the derivatives."""
+SAMPLES = 65
+"""Samples at which derivatives are taken, spread over the run."""
+SMALL = 1e-2
+"""The largest misreading for which the first order in it is taken for all of it."""
+PROBES = (1.0 + 2.0**-20, 1.0 - 2.0**-20)
+"""The factors by which numbers are misread to see which of the case are those of the scene: the
+second where the first leaves what a scene may be, as of a restitution of 1.
+"""
+ALIKE = 1e-9
+"""Relative distance of numbers of scenes that are the same: far less than the factor changes them,
+far more than they are rounded.
+"""
+STILL = 1e-12
+"""Displacement, in scales, for a misreading by all of the number, that is none."""
+NO_DERIVATIVE = "there is no derivative by it: the motion is of another kind on one side"
+NOT_OF_THE_CASE = "it is no number of the case, nor a vector of it"
+NOT_SMALL = f"no misreading of {100 * SMALL:g} % or less is noticed"
+
+
+@dataclass(frozen=True, eq=False)
+class Displaced(Instance):
+    """An instance whose quantities are seen displaced by `by` (T,), each in its unit."""
+
+    by: Mapping[str, Array]
+
+    def observe(self, trajectory: Trajectory) -> dict[str, Array]:
+        """Every quantity that the trajectory shows, each (T,), displaced."""
+        seen = super().observe(trajectory)
+        return {
+            name: values + self.by[name][: len(values)] if name in self.by else values
+            for name, values in seen.items()
+        }
+
+
+def beside(specification: Specification, found: Resolution) -> Resolution:
+    """What was measured of a method on a case, and beside it what is computed of each number."""
+    instance = discovery.case(labelled(found.label)[0]).at(**labelled(found.label)[1])
+    narrow = msgspec.structs.replace(specification, case=[], engines=[], method=found.method)
+    engine = discovery.engine(found.engine)
+    try:
+        of_numbers = foreseen(narrow, engine, instance, truth_of(instance))
+    except NotCertifiedError as error:
+        of_numbers = tuple(Seen(number=one.number, reason=str(error)) for one in found.numbers)
+    by_name = {one.number: one for one in of_numbers}
+    numbers = []
+    for seen in found.numbers:
+        computed = by_name.get(seen.number)
+        if computed is not None:
+            seen = msgspec.structs.replace(
+                seen, computed=computed.smallest, computed_by=computed.by or computed.reason
+            )
+        numbers.append(seen)
+    return msgspec.structs.replace(found, numbers=tuple(numbers))
+
+
+def foreseen(
+    specification: Specification, engine: Engine, instance: Instance, truth: SampledTruth
+) -> tuple[Seen, ...]:
+    """What the method that the specification names would notice of each number of the scene.
+
+    Raises NotCertifiedError where derivatives are not certified.
+    """
+    (task,) = plan.tasks(specification, instance, (), engine, truth, truth.reason)
+    narrow = msgspec.structs.replace(specification, checks=checks_of_plain_runs(task))
+    (task,) = plan.tasks(narrow, instance, (), engine, truth, truth.reason)
+    runs: dict[Variant, Run] = {}
+    sound = record_of(task, runs, of_engine(engine))
+    listed = list(scene_numbers.numbers(instance.scene))
+    if any(finding.outcome in ("fail", "error") for finding in sound.findings):
+        why = "a finding fails without any misreading"
+        return tuple(Seen(number=number.name, reason=why) for number in listed)
+    verdicts = Verdicts(task, runs)
+    slopes = Slopes.of(instance, truth)
+    return tuple(_seen(verdicts, slopes, number) for number in listed)
+
+
+def _seen(verdicts: "Verdicts", slopes: "Slopes", number: scene_numbers.Number) -> Seen:
+    """What is noticed of one number of the scene."""
+    instance = verdicts.task.subject.instance
+    directions = numbers_behind(instance, number)
+    if not directions:
+        return Seen(number=number.name, reason=NOT_OF_THE_CASE)
+    if any(one.name in slopes.missing for one in directions):
+        return Seen(number=number.name, reason=NO_DERIVATIVE)
+    by = slopes.along(directions)
+    scales = instance.quantities
+    if all(np.max(np.abs(change)) <= STILL * scales[name].scale for name, change in by.items()):
+        return Seen(number=number.name, reason="no quantity depends on it")
+    found = threshold(lambda amount: verdicts.displaced(by, amount), verdicts.displaced(by, FIRST))
+    if found.seen is None or found.seen > SMALL:
+        return Seen(number=number.name, reason=NOT_SMALL)
+    return Seen(number=number.name, smallest=max(found.seen, LEAST), by=found.by)
+
+
+@dataclass(frozen=True)
+class Verdicts:
+    """The runs of a task, to be judged displaced."""
+
+    task: Task
+    runs: dict[Variant, Run]
+    """Grows by the finer levels that a check asks for in view of displaced runs."""
+
+    def displaced(self, by: Mapping[str, Array], amount: float) -> Trial:
+        """The findings of the runs whose quantities are displaced by `amount` times `by`."""
+        subject = self.task.subject
+        change = {name: amount * values for name, values in by.items()}
+        moved = Displaced(subject.instance.case, subject.instance.p, change)
+        task = replace(self.task, subject=replace(subject, instance=moved))
+        record = record_of(task, self.runs, of_engine(task.engine))
+        return Trial(record.findings)
+
+
+@dataclass(frozen=True)
+class Slopes:
+    """What each number of a case times its derivative is, of each quantity at each sample (T,); 0
+    at samples at which it was not taken. `missing` are those without a derivative.
+    """
+
+    by_number: Mapping[str, Mapping[str, Array]]
+    missing: frozenset[str]
+
+    @classmethod
+    def of(cls, instance: Instance, truth: SampledTruth) -> "Slopes":
+        """The derivatives at SAMPLES samples as far as truth is certified."""
+        make = instance.case.truth
+        p = instance.case.written_out(instance.p)
+        numbers = list(numbers_of(p))
+        spread = np.linspace(0, truth.until - 1, min(SAMPLES, truth.until))
+        samples = np.unique(spread.astype(int))
+        times = [Fraction(float(instance.times[sample])) for sample in samples]
+        # The last one is bracketed, which says of which numbers there is none.
+        missing = frozenset(sensitivities(make, p, times[-1], DIGITS).missing)
+        found = at_times(make, p, numbers, times, DIGITS)
+        by_number: dict[str, dict[str, Array]] = {}
+        for place, number in enumerate(numbers):
+            value = float(number.of(p))
+            of_quantity = {}
+            for name in instance.quantities:
+                change = np.zeros(len(instance.times))
+                if all(name in one for one in found):
+                    change[samples] = [value * float(one[name][place]) for one in found]
+                of_quantity[name] = change
+            by_number[number.name] = of_quantity
+        return cls(by_number, missing)
+
+    def along(self, numbers: Sequence[Number]) -> dict[str, Array]:
+        """The change of every quantity for a misreading of all these numbers by the same part."""
+        first, *others = (self.by_number[number.name] for number in numbers)
+        summed = dict(first)
+        for other in others:
+            summed = {name: change + other[name] for name, change in summed.items()}
+        return summed
+
+
+def numbers_behind(instance: Instance, number: scene_numbers.Number) -> list[Number]:
+    """The number of the case, or all those of a vector of it, whose misreading is that of a number
+    of the scene; empty if there is none.
+    """
+    p = instance.case.written_out(instance.p)
+    own = list(numbers_of(p))
+    vectors: dict[str, list[Number]] = {}
+    for one in own:
+        vectors.setdefault(one.parameter, []).append(one)
+    candidates = [[one] for one in own if one.of(p)]
+    candidates += [vector for vector in vectors.values() if len(vector) > 1]
+    request = Request(problem=instance.problem, method="", step=instance.problem.interval)
+    for factor in PROBES:
+        try:
+            misread = _numbers_in(number.misread(request, factor).problem.document())
+        except RefdemError:
+            continue
+        for candidate in candidates:
+            scene = _scene_at(instance, candidate, factor)
+            is_alike = len(scene) == len(misread)
+            if is_alike and np.allclose(scene, misread, rtol=ALIKE, atol=0.0):
+                return candidate
+    return []
+
+
+def _scene_at(instance: Instance, numbers: Sequence[Number], factor: float) -> list[float]:
+    """The numbers in the scene of the case with some of its numbers multiplied by a factor; none
+    where the case has no such scene.
+    """
+    moved = instance.case.written_out(instance.p)
+    for one in numbers:
+        moved = one.set_in(moved, one.of(moved) * Fraction(factor))
+    try:
+        return _numbers_in(instance.case.problem(moved).document())
+    except (RefdemError, ValueError, ArithmeticError):
+        return []
+
+
+def _numbers_in(document: Any) -> list[float]:
+    """All numbers of a document, in its order."""
+    plain = msgspec.to_builtins(document, enc_hook=lambda value: value.item())
+    found: list[float] = []
+    pending = [plain]
+    while pending:
+        part = pending.pop()
+        if isinstance(part, dict):
+            pending += part.values()
+        elif isinstance(part, list | tuple):
+            pending += part
+        elif isinstance(part, int | float):
+            found.append(float(part))
+    return found
