@@ -10,8 +10,8 @@ UNREADABLE = (ValueError, RecursionError)
 
 
 class RefdemError(Exception):
-    """Base of every error that refdem raises on purpose: says where, what came, what was expected,
-    what to do.
+    """Base of every error that refdem raises on purpose: says where, what was given, what was
+    expected, what to do.
     """
 
     exit_status = 2

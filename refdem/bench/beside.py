@@ -1,5 +1,5 @@
-"""Another installation that runs the same levels in turns with this one: the weather of the machine
-then falls on both alike.
+"""Another installation that runs the same levels interleaved with this one: the varying load of
+the machine affects both alike.
 """
 
 import subprocess

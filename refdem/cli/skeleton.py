@@ -160,12 +160,12 @@ def refuse_taken_name(kind: str, skeleton: Skeleton, name: str, root: Path) -> N
     for home in skeleton.homes:
         taken = [path for path in (root / home).glob(f"{module}*") if path.stem == module]
         if taken:
-            raise UsageError(f"there is a {kind} {name!r} already: {taken[0]}; take another name")
+            raise UsageError(f"there is a {kind} {name!r} already: {taken[0]}; choose another name")
     if kind == "kernel":
         # A method may be in a file of another name.
         for path in sorted((root / "refdem/solvers").glob("*.py")):
             if f'name="{name}"' in path.read_text(encoding="utf-8"):
-                raise UsageError(f"{path} has a method {name!r} already; take another name")
+                raise UsageError(f"{path} has a method {name!r} already; choose another name")
 
 
 def text_of(template: str, name: str) -> str:

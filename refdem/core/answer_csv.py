@@ -32,7 +32,7 @@ def most_rows(problem: "Problem") -> int:
     """
     if problem.kind not in TRAVELLING:
         raise UsageError(
-            f"{problem.words} does not travel to programs; expected one of {', '.join(TRAVELLING)}"
+            f"{problem.words} cannot be sent to programs; expected one of {', '.join(TRAVELLING)}"
         )
     if isinstance(problem, Solid):
         return len(problem.content.solids)

@@ -185,8 +185,8 @@ class Store:
             self._connect()
         except (_UnfitError, sqlite3.OperationalError, OSError) as error:
             _say(
-                f"store {self.path} cannot be used: {error}. Nothing is kept; correct that, or set"
-                " REFDEM_STORE to another file"
+                f"store {self.path} cannot be used: {error}. Nothing is stored; correct this, or"
+                " set REFDEM_STORE to another file"
             )
         except FAULTS as error:
             self._renew(error)
@@ -209,10 +209,7 @@ class Store:
         # Errors of the system (locked, full, read-only) are OperationalErrors; a damaged file is a
         # DatabaseError itself.
         if isinstance(error, sqlite3.OperationalError):
-            _say(
-                f"store {self.path} cannot be used any more: {error}. What is made from now on is"
-                " not kept"
-            )
+            _say(f"store {self.path} is no longer usable: {error}. Later results are not stored")
         else:
             self._renew(error)
 
@@ -229,15 +226,15 @@ class Store:
             self._connect()
         except (_UnfitError, *FAULTS, OSError) as second:
             _say(
-                f"store {self.path} is damaged ({error}) and cannot be made anew: {second}. Nothing"
-                " is kept"
+                f"store {self.path} is damaged ({error}) and cannot be recreated: {second}. Nothing"
+                " is stored"
             )
             return
         if is_renewed:
             return
         _say(
-            f"store {self.path} was damaged ({error}); it is now {aside.name}, and what it held is"
-            " made again"
+            f"store {self.path} was damaged ({error}); it is now {aside.name}, and its contents are"
+            " recomputed"
         )
 
     def _drop(self, kind: str, key: str) -> None:
@@ -254,7 +251,7 @@ def _connected(path: Path) -> sqlite3.Connection:
     """
     if path.exists() and not path.is_file():
         # SQLite would make files beside a device, and such a file would be moved aside as damaged.
-        raise _UnfitError("it is no plain file")
+        raise _UnfitError("it is not a plain file")
     path.parent.mkdir(parents=True, exist_ok=True)
     until = time.monotonic() + PATIENCE
     while True:
@@ -321,7 +318,7 @@ def _finished(tally: _Tally) -> None:
         with closing(tally.connection):
             tally.connection = None
     if tally.damaged:
-        _say(f"store {tally.path}: {tally.damaged} damaged entries were dropped and made again")
+        _say(f"store {tally.path}: {tally.damaged} damaged entries were dropped and recomputed")
 
 
 def _say(text: str) -> None:

@@ -128,7 +128,8 @@ class Cluster:
                 # It has just died. Whatever comes in its place is asked with its first batch.
                 continue
             if not isinstance(answer, str):
-                reason = f"it cannot say which refdem it has ({answer}): install the same one there"
+                reason = f"it did not report the version of its refdem ({answer}): install"
+                " the same one there"
                 lines.append(_line(address, reason))
             elif answer:
                 lines.append(_line(address, answer))
@@ -184,7 +185,7 @@ class _Distribution:
         if self._threads:
             self._peopled = now
         elif now > self._peopled + ARRIVAL:
-            raise ClusterError(f"all workers are gone, for {ARRIVAL:g} s now; {_KEPT}")
+            raise ClusterError(f"no worker has been connected for {ARRIVAL:g} s; {_KEPT}")
 
     def _submitted(self) -> Iterator[tuple[Job, Failure]]:
         """Hands batches to the scheduler until every thread has enough; what is not worth running
@@ -303,7 +304,7 @@ class _Distribution:
         self._lost_in_a_row = 0
         returned = _read(data)
         if returned.misfit:
-            raise ClusterError(f"a worker that came later: {one_line(returned.misfit)}; {_KEPT}")
+            raise ClusterError(f"a worker that joined later: {one_line(returned.misfit)}; {_KEPT}")
         if len(returned.outcomes) != len(jobs):
             raise ClusterError(
                 f"a worker returned {len(returned.outcomes)} outcomes; expected {len(jobs)}"
@@ -316,14 +317,14 @@ class _Distribution:
         self._waiting.extendleft(reversed(jobs))
 
 
-_KEPT = "what is finished is in the store: run the same command again to go on"
+_KEPT = "finished runs are in the store; run the same command again to continue"
 
 
 def _gone(address: str) -> ClusterError:
     """The error that says that the scheduler was lost."""
     return ClusterError(
-        f"the scheduler at {one_line(address)} is gone; start it again, or leave --scheduler away;"
-        f" {_KEPT}"
+        f"the scheduler at {one_line(address)} does not respond any more; restart it, or omit"
+        f" --scheduler; {_KEPT}"
     )
 
 
@@ -404,7 +405,7 @@ def _outcome(future: Any) -> tuple[BaseException | None, object]:
     try:
         return None, future.result(timeout=ARRIVAL)
     except TypeError as error:
-        raise ClusterError(f"a worker returned what is no data: {one_line(str(error))}") from error
+        raise ClusterError(f"a worker returned invalid data: {one_line(str(error))}") from error
 
 
 def _read(data: object) -> remote.Returned:

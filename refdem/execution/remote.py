@@ -112,13 +112,14 @@ def misfit(expected: bytes) -> str:
     if here != state.refdem:
         return (
             f"its refdem has the digest {here[:SHOWN]}; expected {state.refdem[:SHOWN]}, that of"
-            " the refdem which asks: install the same wheel there, or share one environment"
+            " the refdem that started the campaign: install the same wheel there, or share one"
+            " environment"
         )
     if fingerprint.of_machine() != state.machine:
         return (
-            "its processor has other features than that of the machine which asks, and bits are"
-            " equal on one kind of processor only: run `refdem run` on a machine of the workers'"
-            " kind"
+            "its processor has other features than that of the machine that started the campaign,"
+            " and results are bitwise equal on one kind of processor only: run `refdem run` on a"
+            " machine of the workers' kind"
         )
     reasons = [reason for method in state.methods if (reason := _misfit_of(method))]
     # Methods of one engine lack the same thing.

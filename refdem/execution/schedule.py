@@ -54,7 +54,7 @@ POOLS = 3
 """So many pools that break one after another, without a result between them, fail their jobs."""
 NEVER_BEGUN = (
     f"the worker process died while it started, {POOLS} times in a row: the machine may be short of"
-    " memory, or something ends processes"
+    " memory, or its processes are being killed"
 )
 
 

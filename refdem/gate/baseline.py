@@ -121,7 +121,7 @@ def _refuse_wrong_ids(path: Path, entries: list[Accepted]) -> None:
                 " `refdem gate --bless` wrote"
             )
         if entry.id in ids:
-            raise UsageError(f"{where}: {shown} is there twice; take one away, or bless anew")
+            raise UsageError(f"{where}: {shown} is listed twice; remove one, or bless again")
         ids.add(entry.id)
 
 
@@ -140,7 +140,7 @@ def write(path: Path, records: list[Record], why: str) -> int:
     ]
     if not entries:
         raise UsageError(
-            f"nothing was decided, so there is nothing to accept; baseline {path} stays as it is;"
+            f"nothing was decided, so there is nothing to accept; baseline {path} is unchanged;"
             " look at the errors first"
         )
     entries.sort(key=lambda entry: entry.id)

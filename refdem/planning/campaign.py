@@ -44,7 +44,7 @@ class Campaign:
         """All sheets of the campaign.
 
         They are read from the store if nothing has changed since an equal campaign. They are kept
-        there unless a run or a proof ended in a way in which it may not end next time.
+        there unless a run or a proof ended in a way that may not recur.
         """
         start = time.perf_counter()
         # Also where nothing is run now: one may have been killed when all its runs were done.

@@ -146,7 +146,7 @@ class Elsewhere(Engine):
             self.waiting.append(name)
             paths = {file: f"{name}/{place}" for file, place in FILES.items()}
             self.lines.append(line_of(name, request.method, paths))
-            raise EngineError(f"{name}/trajectory.csv has not come back")
+            raise EngineError(f"{name}/trajectory.csv is missing")
         trajectory = read_answer(request.problem, folder / "trajectory.csv", folder / "events.csv")
         trajectory = with_sensitivities(
             trajectory, folder / FILES["sensitivities"], request.sensitivities
@@ -284,8 +284,8 @@ def read(folder: Path) -> Manifest:
     for name in manifest.versions:
         if not NAME.fullmatch(name):
             raise UsageError(
-                f"{path}: {one_line(name, 80)!r} is no name of a program; expected letters, digits"
-                " and . _ + -"
+                f"{path}: {one_line(name, 80)!r} is not a valid name of a program; expected"
+                " letters, digits and . _ + -"
             )
     if manifest.refdem != refdem.__version__:
         raise UsageError(

@@ -28,13 +28,13 @@ def instances(label: str, pairs: list[str]) -> tuple[list[Instance], list[str]]:
     case = discovery.case(name)
     if isinstance(case, Selection):
         raise UsageError(
-            f"{name} stands for many cases, which have parameters of their own; expected one case,"
-            " as in `refdem sweep pendulum --set theta0=0.5,1,2`"
+            f"{name} is a selection of cases, which set their own parameters; expected one case, as"
+            " in `refdem sweep pendulum --set theta0=0.5,1,2`"
         )
     texts = settings(pairs)
     if not texts:
         raise UsageError(
-            "nothing varies: --set did not come; expected a parameter with its values, as in"
+            "no parameter varies: --set is missing; expected a parameter with its values, as in"
             f" `refdem sweep {name} --set NAME={EXAMPLES.partition(' ')[0]}`"
         )
     twice = [parameter for parameter in texts if parameter in fixed]

@@ -251,9 +251,9 @@ def _failures(task: Task, failed: Mapping[Variant, Failure], *, ran: bool) -> li
 
 _REFUSED_BY_THE_REFERENCE = " The reference must report before a run what it cannot run."
 _REFUSED_IN_PART = (
-    " The engine ran the same scene otherwise, and an engine that supports a"
-    " scene must run it at every step and in every variant (exceptions are"
-    " listed as engine.may_refuse in refdem.toml)."
+    " The engine ran the same scene in other variants; an engine that supports a scene must run it"
+    " at every step and in every variant (exceptions are listed as engine.may_refuse in"
+    " refdem.toml)."
 )
 
 

@@ -161,8 +161,8 @@ def written(specification: Specification, records: list[Record]) -> list[str]:
         broken += map(record.id, errors)
     if broken:
         raise UsageError(
-            f"{len(broken)} findings are errors, first {broken[0]}; the lists stay as they are:"
-            " mend the engine, then bless"
+            f"{len(broken)} findings are errors, first {broken[0]}; the lists are unchanged:"
+            " correct the engine, then bless"
         )
     now = decided(records)
     if not any(now.values()):

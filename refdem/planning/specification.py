@@ -116,13 +116,11 @@ class Specification(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fi
                     f"{name} is {printed}; expected a finite number from {lowest:g} to {highest:g}"
                 )
         if self.step is not None and self.steps_per_tau is not None:
-            raise OutOfRangeError(
-                "step and steps_per_tau are both there; expected at most one of them"
-            )
+            raise OutOfRangeError("got both step and steps_per_tau; expected at most one of them")
         asked = set()
         for entry in self.case:
             if entry.question in asked:
-                raise OutOfRangeError(f"{entry.label} is listed twice; take one away")
+                raise OutOfRangeError(f"{entry.label} is listed twice; remove one")
             asked.add(entry.question)
 
     def levels_of(self, instance: Instance) -> int:

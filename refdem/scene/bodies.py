@@ -55,7 +55,7 @@ class Bodies:
     def of(cls, bodies: "list[Body] | tuple[Body, ...]") -> "Bodies":
         """The columns of single bodies, in their order."""
         if not bodies:
-            raise SceneError("scene.bodies: no body came; expected at least one")
+            raise SceneError("scene.bodies is empty; expected at least one body")
         columns: dict[str, Any] = {}
         for name in COLUMNS:
             values = [getattr(body, name) for body in bodies]

@@ -85,7 +85,8 @@ class Scene:
             return cls.of(document.bodies, document.elements)
         if file is None:
             raise SceneError(
-                f"scene.bodies names the file {document.bodies.file}, which did not come with it"
+                f"scene.bodies names the file {document.bodies.file}, which was not supplied with"
+                " it"
             )
         return cls(bodies_file.unpacked(file, document.bodies), tuple(document.elements))
 

@@ -45,7 +45,7 @@ class ExactCornerImpact(SceneSolver):
         law="rigid",
         has_inertia=True,
         in_plane=True,
-        irreversible="an impact has forgotten where it came from",
+        irreversible="the state before an impact cannot be recovered",
     )
 
     def unfit(self, problem: Motion) -> str | None:

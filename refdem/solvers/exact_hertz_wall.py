@@ -53,7 +53,7 @@ class ExactHertzWall(SceneSolver):
         bodies=ONE,
         shape=Sphere,
         law="hertz",
-        irreversible="friction has forgotten where it came from",
+        irreversible="the motion before friction stopped it cannot be recovered",
     )
 
     def unfit(self, problem: Motion) -> str | None:

@@ -54,7 +54,7 @@ class Impacts(KernelSolver):
         shape=Sphere,
         law="rigid",
         may_be_fixed=True,
-        irreversible="impacts have forgotten where they came from",
+        irreversible="the states before impacts cannot be recovered",
     )
 
     def unfit(self, problem: Motion) -> str | None:

@@ -54,7 +54,7 @@ class ObliqueContact(KernelSolver):
         bodies=TWO,
         shape=Sphere,
         law="linear",
-        irreversible="friction has forgotten where it came from",
+        irreversible="the motion before friction stopped it cannot be recovered",
     )
 
     def unfit(self, problem: Motion) -> str | None:

@@ -77,7 +77,7 @@ def test_numbers_beyond_binary64_are_refused_and_not_a_traceback() -> None:
     [
         ([HEADER, ENTRY | {"valu": 1}], "line 2: .*unknown field `valu`; did you mean 'value'"),
         ([HEADER | {"wy": ""}, ENTRY], "line 1: .*unknown field `wy`"),
-        ([HEADER, ENTRY, ENTRY | {"outcome": "fail"}], "line 3: .* is there twice"),
+        ([HEADER, ENTRY, ENTRY | {"outcome": "fail"}], "line 3: .* is listed twice"),
     ],
 )
 def test_a_baseline_is_read_as_a_whole_or_not_at_all(
@@ -144,7 +144,7 @@ def test_a_whole_number_beyond_binary64_is_out_of_range(tmp_path: Path, field: s
 @pytest.mark.parametrize("name", ["/", "../other", "", "a\x1b[31m", "a b"])
 def test_a_manifest_names_programs_of_its_own_folder(tmp_path: Path, name: str) -> None:
     (tmp_path / exchange.MANIFEST).write_text(json.dumps(MANIFEST | {"versions": {name: "1"}}))
-    with pytest.raises(UsageError, match="is no name of a program"):
+    with pytest.raises(UsageError, match="is not a valid name of a program"):
         exchange.read(tmp_path)
 
 

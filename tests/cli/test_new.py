@@ -99,7 +99,7 @@ def test_a_name_that_cannot_be_one_is_refused(name: str, tree: Path, command_lin
     before = files(tree)
     done = command_line("new", "case", "--package", str(tree), "--", name)
     assert done.returncode == 2
-    assert re.search(r"the name '.*' (cannot be used|is a word)", done.stderr)
+    assert re.search(r"the name '.*' (cannot be used|is reserved)", done.stderr)
     assert files(tree) == before
 
 

@@ -72,7 +72,7 @@ def test_export_writes_requests_and_judge_misses_what_has_not_come_back(refdem, 
     assert all((tmp_path / "to-run" / name / "request.txt").is_file() for name in names)
     judged = refdem("judge", "to-run")
     assert judged.returncode == 3
-    assert "has not come back" in judged.stdout
+    assert "trajectory.csv is missing" in judged.stdout
     assert (tmp_path / "refdem-report" / "index.html").is_file()
 
 
@@ -89,9 +89,9 @@ def test_export_writes_requests_and_judge_misses_what_has_not_come_back(refdem, 
         ),
         (
             ["run", "harmonic-oscillator", "--engine", "refdem.toml"],
-            "./far is not there or cannot be run",
+            "./far does not exist or is not executable",
         ),
-        (["smoke", "refdem.toml"], "./far is not there or cannot be run"),
+        (["smoke", "refdem.toml"], "./far does not exist or is not executable"),
         (["schema", "everything"], "expected trajectory"),
     ],
 )

@@ -76,5 +76,5 @@ def test_other_questions_do_not_travel() -> None:
 
     problem = discovery.case("logistic").at().problem
     assert isinstance(problem, Iteration)
-    with pytest.raises(UsageError, match="does not travel to programs"):
+    with pytest.raises(UsageError, match="cannot be sent to programs"):
         most_rows(problem)

@@ -79,7 +79,7 @@ def test_what_is_no_plain_file_is_left_alone_and_costs_the_store(tmp_path, capfd
         store = Store(tmp_path / name)
         store.put("run", "k", b"data")
         assert not store.is_usable
-        assert "it is no plain file" in capfd.readouterr().err
+        assert "it is not a plain file" in capfd.readouterr().err
     assert sorted(os.listdir(tmp_path)) == ["link", "pipe"]
 
 

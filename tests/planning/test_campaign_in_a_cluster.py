@@ -186,7 +186,10 @@ def state(**changed: Any) -> bytes:
     ("expected", "words"),
     [
         (state(), ""),
-        (state(refdem="0" * 64), "expected 000000000000, that of the refdem which asks"),
+        (
+            state(refdem="0" * 64),
+            "expected 000000000000, that of the refdem that started the campaign",
+        ),
         (state(machine="0" * 64), "its processor has other features"),
         (
             state(methods=[remote.MethodState("no-such", "leapfrog", "")]),
@@ -429,12 +432,12 @@ def returned(outcomes: int, misfit: str = "") -> bytes:
 @pytest.mark.parametrize(
     ("answer", "words"),
     [
-        ("cancelled", "the scheduler at tcp://played:1 is gone; start it again"),
-        ("lost", "the scheduler at tcp://played:1 is gone; start it again"),
+        ("cancelled", "the scheduler at tcp://played:1 does not respond any more; restart it"),
+        ("lost", "the scheduler at tcp://played:1 does not respond any more; restart it"),
         (ValueError("worn\nout"), "a worker failed outside of its runs: ValueError: worn"),
         (returned(0), "0 outcomes; expected 1"),
         (returned(2), "2 outcomes; expected 1"),
-        (returned(0, misfit="another refdem"), "a worker that came later: another refdem"),
+        (returned(0, misfit="another refdem"), "a worker that joined later: another refdem"),
         (b"", "bytes that are no results"),
         (b"\x93\x01\x02", "bytes that are no results"),
         (["a", "list"], "list; expected bytes"),
@@ -446,7 +449,7 @@ def test_what_comes_back_is_checked(answer: object, words: str) -> None:
 
 
 def test_a_scheduler_that_is_gone_is_noticed() -> None:
-    with pytest.raises(ClusterError, match="run the same command again to go on"):
+    with pytest.raises(ClusterError, match="run the same command again to continue"):
         played_results(Player(all_made, status="closed"), 1)
 
 
@@ -458,7 +461,7 @@ def test_a_connection_that_closes_says_that_the_scheduler_is_gone(
 
     player = Player(all_made)
     monkeypatch.setattr(player, "nthreads", closed)
-    with pytest.raises(ClusterError, match="the scheduler at tcp://played:1 is gone"):
+    with pytest.raises(ClusterError, match="the scheduler at tcp://played:1 does not respond any more"):
         played_results(player, 1)
 
 
@@ -492,7 +495,7 @@ def test_a_scheduler_that_is_killed_is_one_sentence_and_no_traceback() -> None:
     )
     (line,) = done.stdout.splitlines()
     assert line.startswith("the scheduler at tcp://127.0.0.1:")
-    assert line.endswith("is in the store: run the same command again to go on")
+    assert line.endswith("are in the store; run the same command again to continue")
     assert "Traceback" not in done.stderr
 
 
@@ -500,7 +503,7 @@ def test_a_campaign_whose_workers_never_come_back_ends(monkeypatch: pytest.Monke
     player = Player(all_made)
     monkeypatch.setattr(player, "nthreads", dict)
     monkeypatch.setattr(cluster, "ARRIVAL", -1.0)
-    with pytest.raises(ClusterError, match="all workers are gone"):
+    with pytest.raises(ClusterError, match="no worker has been connected"):
         played_results(player, 1)
 
 

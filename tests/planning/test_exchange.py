@@ -118,7 +118,7 @@ def test_a_missing_trajectory_is_an_error(toml: Path, tmp_path: Path) -> None:
         run(folder / name)
     found = record(toml, folder)
     (error,) = (f for f in found.findings if f.outcome == "error")
-    assert f"{names[0]}/trajectory.csv has not come back" in error.sentence
+    assert f"{names[0]}/trajectory.csv is missing" in error.sentence
 
 
 def test_a_wrong_force_fails_from_afar(toml: Path, tmp_path: Path) -> None:

@@ -67,7 +67,7 @@ def test_what_is_written_in_two_ways_is_one_setting() -> None:
 @pytest.mark.parametrize(
     ("label", "pairs", "words"),
     [
-        ("pendulum", [], "nothing varies"),
+        ("pendulum", [], "no parameter varies"),
         ("pendulum", ["thet0=1"], "did you mean 'theta0'"),
         ("pendulum", ["theta0"], "name=value"),
         ("pendulum[theta0=1]", ["theta0=1,2"], "in one of them"),
@@ -81,5 +81,5 @@ def test_a_study_that_makes_no_sense_is_refused(label: str, pairs: list[str], wo
 
 
 def test_a_selection_of_cases_is_no_case() -> None:
-    with pytest.raises(UsageError, match="stands for many cases"):
+    with pytest.raises(UsageError, match="is a selection of cases"):
         grid.instances("time-reversal", ["theta0=1"])

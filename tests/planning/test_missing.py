@@ -176,7 +176,7 @@ def test_only_the_share_of_what_was_asked_for_is_required(tmp_path) -> None:
 
 def test_a_broken_run_is_never_written_down(tmp_path) -> None:
     specification = Specification(name="mine", case=[Entry("c")], required=str(tmp_path / "mine"))
-    with pytest.raises(UsageError, match="mend the engine"):
+    with pytest.raises(UsageError, match="correct the engine"):
         required.written(
             specification, [record(*all_but("error/x"), finding("run/trajectory", "error"))]
         )

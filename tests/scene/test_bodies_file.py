@@ -132,7 +132,7 @@ def test_a_file_that_is_not_the_scenes_is_refused(name):
 
 
 def test_a_scene_without_the_file_that_it_names_is_refused():
-    with pytest.raises(SceneError, match=r"bodies.npz, which did not come"):
+    with pytest.raises(SceneError, match=r"bodies.npz, which was not supplied"):
         Scene.from_json(SCENE.to_json())
     with pytest.raises(SceneError, match="count is 0"):
         bodies_file.unpacked(b"", bodies_file.BodiesFile(file="bodies.npz", count=0, sha256=""))

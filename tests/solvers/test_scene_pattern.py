@@ -92,8 +92,8 @@ def test_the_first_difference_from_a_pattern_is_the_reason(pattern, bodies, elem
 
 
 def test_a_method_that_runs_forward_only_says_why():
-    pattern = ScenePattern(irreversible="friction has forgotten")
+    pattern = ScenePattern(irreversible="motion cannot be recovered")
     scene = Scene.of([POINT], [])
     assert pattern.unsupported(Motion(scene, T)) is None
     said = pattern.unsupported(Motion(scene, -T))
-    assert said == "time runs backwards, but friction has forgotten"
+    assert said == "time runs backwards, but motion cannot be recovered"

@@ -45,16 +45,21 @@ class MethodTable(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fiel
     ] = 1.0
     constant_reason: str = ""
     conserves: Annotated[list[Law], said("kept to round-off, whatever the step")] = []
-    reversible: Annotated[bool, said("with velocities flipped it comes back to round-off")] = False
+    reversible: Annotated[
+        bool, said("with velocities reversed it returns to its start, to round-off")
+    ] = False
     symplectic: Annotated[bool, said("no secular drift of energy, also where bodies turn")] = False
     backward: Annotated[
-        bool, said("it can be asked for times that fall; the step stays positive")
+        bool, said("it accepts sample times that decrease; the step stays positive")
     ] = False
     differenced_velocities: Annotated[
         bool, said("velocities are differences of places over a step h, which rounds them by u r/h")
     ] = False
     locates_events: Annotated[
-        bool, said("events are told at their own times, not at the end of the step that sees them")
+        bool,
+        said(
+            "events are reported at their own times, not at the end of the step that detects them"
+        ),
     ] = False
     cuts_steps: Annotated[
         bool,
@@ -63,8 +68,8 @@ class MethodTable(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fiel
     tells: Annotated[
         list[Told],
         said(
-            "kinds of events of which it tells every one, between bodies and at walls, so that one"
-            " that is missing is seen in a run without any, too"
+            "kinds of events of which it reports every one, between bodies and at walls, so that a"
+            " missing one is detected even in a run without any"
         ),
     ] = []
     complete_state: Annotated[
@@ -149,8 +154,8 @@ class EngineTable(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fiel
     may_refuse: Annotated[
         list[Picture],
         said(
-            "pictures of a scene that it may answer with 77 although it runs the scene itself; any"
-            " other is an error"
+            "images of a scene (shifted, rotated, mirrored) that it may refuse with exit status 77"
+            " although it runs the scene itself; any other is an error"
         ),
     ] = []
     serve: Annotated[

@@ -55,8 +55,8 @@ def made_in_home(engine: str) -> Path:
             # Someone took the home away since it was looked for.
             continue
     raise EngineError(
-        f"the folder for temporary files, {tempfile.gettempdir()}, is emptied again and again;"
-        " expected that what refdem makes there stays: set TMPDIR to another folder"
+        f"the folder for temporary files, {tempfile.gettempdir()}, is cleared while refdem runs;"
+        " set TMPDIR to a folder whose contents persist"
     )
 
 

@@ -132,8 +132,8 @@ class Supervised:
                 self.close()
         if not line:
             raise EngineError(
-                f"{request['command'][0]} was ended from outside, with the process that watched"
-                " over it"
+                f"{request['command'][0]} was terminated externally, together with its supervisor"
+                " process"
             )
         answer: dict[str, Any] = json.loads(line)
         return answer
@@ -220,8 +220,8 @@ def ended(command: list[str], folder: Path, *, name: str, limits: Limits) -> flo
         )
     if exit.left:
         raise EngineError(
-            f"{name} ended and left {exit.left} of its processes running, which were ended; "
-            "expected a program that waits for what it starts"
+            f"{name} ended and left {exit.left} of its processes running, which were ended;"
+            " expected a program that waits for the processes that it starts"
         )
     return exit.seconds
 

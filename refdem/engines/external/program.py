@@ -56,7 +56,7 @@ class Program:
         if shutil.which(self.placed(word)):
             return None
         advice = one_line(self.table.install) or "build it, or correct engine.command"
-        return f"{word} is not there or cannot be run (from {self.home}); {advice}"
+        return f"{word} does not exist or is not executable (from {self.home}); {advice}"
 
     def files(self) -> list[Path]:
         """Every file that the command names, and every file that `inputs` matches."""

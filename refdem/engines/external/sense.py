@@ -140,7 +140,7 @@ def _of_gate(gate: GateTable) -> Iterator[Fault]:
         yield "gate.levels", gate.levels, expected
     twice = sorted({label for label in gate.cases if gate.cases.count(label) > 1})
     if twice:
-        yield "gate.cases", twice, "each case once; these are there twice"
+        yield "gate.cases", twice, "each case once; these are listed twice"
 
 
 def is_pattern_below(pattern: str) -> bool:

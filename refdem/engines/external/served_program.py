@@ -22,7 +22,7 @@ from refdem.errors import EngineError, LeakError, UnsupportedError
 BEFORE = "request-before.json"
 """Beside what a failed run left: the other request that changes the answer to it."""
 KEEPS = "keeps state from one request to the next"
-ADVICE = "Let each request begin from nothing, or take `serve` away"
+ADVICE = "Reset all state at each request, or remove `serve`"
 _SAMPLES: defaultdict[tuple[Identity, str], Sample] = defaultdict(Sample)
 """Of each program that stays alive and each of its methods, in this process."""
 

@@ -1,4 +1,4 @@
-"""A ball joint: two anchors stay together, the bodies turn about them as they like."""
+"""A ball joint: two anchors coincide, and the bodies rotate freely about them."""
 
 from typing import ClassVar
 

@@ -169,5 +169,5 @@ def test_a_folder_that_is_taken_away_each_time_is_an_error_that_says_so(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(folders, "engine_home", lambda _: tmp_path / "gone")
-    with pytest.raises(EngineError, match="is emptied again and again"):
+    with pytest.raises(EngineError, match="is cleared while refdem runs"):
         made_in_home("first")

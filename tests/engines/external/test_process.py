@@ -206,7 +206,7 @@ def test_a_program_that_stops_its_supervisor_is_an_error_and_nothing_is_left(
     monkeypatch.setattr(process, "ENDING", 1.0)
     before = process.supervised().process
     code = f"STOPPED = os.getppid()\n{stops}\ntime.sleep(600)"
-    with pytest.raises(EngineError, match="with the process that watched over it"):
+    with pytest.raises(EngineError, match="together with its supervisor process"):
         ran(code, timeout=1.0)
     assert before.poll() is not None
     mark = b"STOPPED = os.getppid()"

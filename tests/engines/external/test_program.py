@@ -232,7 +232,7 @@ def test_a_missing_and_an_unrunnable_program_are_said_to_be_missing(small: Path)
             " = 1\n"
         )
         engine = discovery.engine(str(toml))
-        assert "is not there or cannot be run" in (engine.missing() or "")
+        assert "does not exist or is not executable" in (engine.missing() or "")
         problem = discovery.case("harmonic-oscillator").at(samples="8").problem
         with pytest.raises(EngineError, match="cannot be started"):
             engine.run(Request(problem=problem, method="a", step=problem.interval))

@@ -28,7 +28,7 @@ ERRORS = {
     "fails-without-a-word": r"\"failed\": null\}' as the answer",
     "is-not-warm": r"\"warm\": false\}' as the answer",
     "leaves-the-answer-to-a-child": "ended with exit status 0 and did not answer",
-    "kills-its-parent": "was ended from outside, with the process that watched over it",
+    "kills-its-parent": "was terminated externally, together with its supervisor process",
     "takes-its-folder-away-and-ends": "ended with exit status 5 and did not answer",
     "answers-in-utf16": r"wrote '\{\?\"\?i\?d\?.*' as the answer to a request",
     "answers-in-no-text": r"wrote '\{\"id\": \"\d+\", .*' as the answer to a request",
