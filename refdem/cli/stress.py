@@ -23,7 +23,7 @@ def command(
         list[str] | None,
         typer.Argument(
             autocompletion=completion.cases,
-            help="Only ladders on these cases, also as `pendulum[theta0=2]`; default: all.",
+            help="Only sweeps on these cases, also as `pendulum[theta0=2]`; default: all.",
         ),
     ] = None,
     engine: options.Engines = None,
@@ -45,7 +45,7 @@ def command(
         float,
         typer.Option(
             help=(
-                "Time limit of a run [s]; a run that exceeds it is killed, and its rung"
+                "Time limit of a run [s]; a run that exceeds it is killed, and its point"
                 " is an error."
             )
         ),
@@ -100,27 +100,27 @@ def command(
 
 
 def status(record: "StressRecord") -> int:
-    """1 if a rung that was due failed or could not be decided, 3 if engines only broke down on such
-    rungs, 2 if nothing was judged.
+    """1 if a point that was due failed or could not be decided, 3 if engines only broke down on
+    such points, 2 if nothing was judged.
     """
     from refdem.errors import UsageError
     from refdem.stress.record import BROKEN
 
     ends = {
-        climb.end.verdict
-        for climb in record.climbs
-        if climb.kept is False and climb.end is not None
+        result.end.verdict
+        for result in record.results
+        if result.kept is False and result.end is not None
     }
     if ends:
         if ends == {"error"}:
             return 3
         return 1
-    verdicts = {rung.verdict for climb in record.climbs for rung in climb.rungs}
+    verdicts = {point.verdict for result in record.results for point in result.points}
     if not verdicts & {"pass", *BROKEN}:
-        for engine, ladder, reason in record.refused:
-            print(f"{engine}, {ladder}: {reason}", file=sys.stderr)
+        for engine, sweep, reason in record.refused:
+            print(f"{engine}, {sweep}: {reason}", file=sys.stderr)
         raise UsageError(
-            "nothing was judged: no method of the engines supports a rung of these ladders"
+            "nothing was judged: no method of the engines supports a point of these sweeps"
         )
     return 0
 
@@ -142,31 +142,31 @@ def written(out: Path, record: "StressRecord", store: "Store | None" = None) -> 
 
 
 def _section(record: "StressRecord", number: int) -> "Section":
-    """A battery with its points and tables."""
-    from refdem.report.stress import Point, Section
+    """A battery with its marks and tables."""
+    from refdem.report.stress import Mark, Section
     from refdem.stress.tables import details
-    from refdem.stress.verdict import ratio, shown_rung
+    from refdem.stress.verdict import ratio, shown_point
 
     battery = record.batteries[number]
-    points = []
-    for climb in record.climbs:
-        if climb.battery != battery.id:
+    marks = []
+    for result in record.results:
+        if result.battery != battery.id:
             continue
-        for index, rung in enumerate(climb.rungs):
-            point = Point(
-                climb.ladder,
-                climb.along,
+        for index, point in enumerate(result.points):
+            mark = Mark(
+                result.sweep,
+                result.along,
                 index,
-                shown_rung(rung.rung),
-                climb.engine,
-                climb.method,
-                climb.is_reference,
-                ratio(rung),
-                rung.verdict,
+                shown_point(point.point),
+                result.engine,
+                result.method,
+                result.is_reference,
+                ratio(point),
+                point.verdict,
             )
-            points.append(point)
+            marks.append(mark)
     tables = [_cells(table) for table in details(record, battery.id)]
-    return Section(battery.id, battery.title, battery.question, points, tables)
+    return Section(battery.id, battery.title, battery.question, marks, tables)
 
 
 def _cells(table: "Table") -> "Cells":

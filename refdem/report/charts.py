@@ -42,7 +42,7 @@ def specification(data: ChartData) -> Spec:
         "costs": _costs,
         "drifts": _drifts,
         "overview": _overview,
-        "ladders": _ladders,
+        "sweeps": _sweeps,
     }
     spec = drawers[data.kind](data)
     params = [_chosen(data, spec)]
@@ -333,39 +333,39 @@ def _overview(data: ChartData) -> Spec:
     }
 
 
-def _ladders(data: ChartData) -> Spec:
-    """A small picture a ladder: values over bounds against rungs in their order."""
+def _sweeps(data: ChartData) -> Spec:
+    """A small picture a sweep: values over bounds against points in their order."""
     return {
-        "data": _rows("ladder", "shown", "ratio"),
-        "concat": [_ladder(data, number, name) for number, name in enumerate(data.choices)],
+        "data": _rows("sweep", "shown", "ratio"),
+        "concat": [_sweep(data, number, name) for number, name in enumerate(data.choices)],
         "columns": 3,
         "spacing": 16,
         "resolve": {"scale": {"x": "independent"}},
     }
 
 
-def _ladder(data: ChartData, number: int, name: str) -> Spec:
-    """The picture of one ladder: its title and what its rungs change are in `name`."""
+def _sweep(data: ChartData, number: int, name: str) -> Spec:
+    """The picture of one sweep: its title and what its points change are in `name`."""
     title, _, along = name.partition("\n")
     labels = [label.partition("\t") for label in data.labels]
-    rungs = [rung for ladder, _, rung in labels if ladder == name]
+    points = [point for sweep, _, point in labels if sweep == name]
     axis = {"labelAngle": -40, "labelOverlap": True}
-    x = _name("rung", title=along, scale={"domain": rungs}, axis=axis)
+    x = _name("point", title=along, scale={"domain": points}, axis=axis)
     y = _log("shown", "value / bound", data, 5)
-    tips = _tips("series", "rung", "ratio", "verdict")
-    on_ladder = f"datum.ladder == {number}"
-    ran = [on_ladder, "datum.verdict == 'pass' || datum.verdict == 'fail'"]
+    tips = _tips("series", "point", "ratio", "verdict")
+    on_sweep = f"datum.sweep == {number}"
+    ran = [on_sweep, "datum.verdict == 'pass' || datum.verdict == 'fail'"]
     curves = {"layer": _curves(data, x, y, tips, ran, name=str(number), size=36)}
     colour, _ = _style(data)
     sign = {"condition": {"test": "datum.verdict == 'error'", "value": "x"}, "value": "?"}
     signs = _layer(
         {"type": "text", "fontSize": 13, "fontWeight": "bold"},
         {"x": x, "y": y, "color": colour, "text": sign},
-        [on_ladder, "datum.verdict == 'error' || datum.verdict == 'undecided'"],
+        [on_sweep, "datum.verdict == 'error' || datum.verdict == 'undecided'"],
     )
     # The bound: a value over its bound of 1. The axis says so; it is not read out.
     dashes = {"type": "rule", "strokeDash": [5, 4], "color": "#888888", "aria": False}
-    rule = _layer(dashes, {"y": {"datum": 1.0}}, [on_ladder])
+    rule = _layer(dashes, {"y": {"datum": 1.0}}, [on_sweep])
     return {
         "title": {"text": title, "fontSize": 11, "limit": 260},
         "layer": [rule, curves, signs],

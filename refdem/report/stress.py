@@ -1,4 +1,4 @@
-"""A page of numerical stability, from tables and rungs that a stress test hands over."""
+"""A page of numerical stability, from tables and points that a stress test hands over."""
 
 import csv
 import io
@@ -22,20 +22,20 @@ LOW = 1e-4
 HIGH = 1e4
 """Values over their bounds are drawn between these; what is beyond lies on the edge."""
 CAPTION = (
-    "largest value over its bound, rung by rung; above 1 a rung fails, x: no run, ?: undecided"
+    "largest value over its bound, point by point; above 1 a point fails, x: no run, ?: undecided"
 )
 
 
 @dataclass(frozen=True)
-class Point:
-    """One rung of one method: ladder, number and name of the rung, value over bound (None: no run),
-    and its verdict.
+class Mark:
+    """One point of one method: sweep, number and name of the point, value over bound (None: no
+    run), and its verdict.
     """
 
-    ladder: str
+    sweep: str
     along: str
     index: int
-    rung: str
+    point: str
     engine: str
     method: str
     is_reference: bool
@@ -45,77 +45,77 @@ class Point:
 
 @dataclass(frozen=True)
 class Section:
-    """The results of one battery: its question, its rungs, and tables for people."""
+    """The results of one battery: its question, its points, and tables for people."""
 
     id: str
     title: str
     question: str
-    points: Sequence[Point]
+    marks: Sequence[Mark]
     tables: Sequence[Cells]
 
 
 def chart(section: Section) -> ChartData | None:
-    """The points as the chart `ladders` takes them; None without any."""
+    """The marks as the chart `sweeps` takes them; None without any."""
     shown = [
-        point for point in section.points if point.verdict in ("pass", "fail", "error", "undecided")
+        mark for mark in section.marks if mark.verdict in ("pass", "fail", "error", "undecided")
     ]
     if not shown:
         return None
     out = io.StringIO()
     writer = csv.writer(out, lineterminator="\n")
-    ladders = tuple(dict.fromkeys(_name(point) for point in shown))
-    writer.writerow(("ladder", "rung", "series", "ratio", "shown", "verdict"))
-    for point in shown:
+    sweeps = tuple(dict.fromkeys(_name(mark) for mark in shown))
+    writer.writerow(("sweep", "point", "series", "ratio", "shown", "verdict"))
+    for mark in shown:
         height = HIGH
         label: float | str = ""
-        if point.ratio is not None:
-            label = rounded(point.ratio)
-            if math.isfinite(point.ratio):
-                height = min(max(point.ratio, LOW), HIGH)
-        # A rung without a run is an error, unless it says itself that it is undecided.
-        has_verdict = point.ratio is not None or point.verdict == "undecided"
+        if mark.ratio is not None:
+            label = rounded(mark.ratio)
+            if math.isfinite(mark.ratio):
+                height = min(max(mark.ratio, LOW), HIGH)
+        # A point without a run is an error, unless it says itself that it is undecided.
+        has_verdict = mark.ratio is not None or mark.verdict == "undecided"
         if has_verdict:
-            mark = point.verdict
+            verdict = mark.verdict
         else:
-            mark = "error"
-        ladder = ladders.index(_name(point))
-        series = f"{point.engine} {point.method}"
-        writer.writerow((ladder, point.rung, series, label, rounded(height), mark))
+            verdict = "error"
+        sweep = sweeps.index(_name(mark))
+        series = f"{mark.engine} {mark.method}"
+        writer.writerow((sweep, mark.point, series, label, rounded(height), verdict))
     return ChartData(
-        "ladders",
+        "sweeps",
         out.getvalue(),
-        ladders,
+        sweeps,
         tuple(_styles(shown)),
         {"error": (LOW, HIGH)},
-        labels=_rungs(shown),
+        labels=_points(shown),
     )
 
 
-def _name(point: Point) -> str:
-    return f"{point.ladder}\n{point.along}"
+def _name(mark: Mark) -> str:
+    return f"{mark.sweep}\n{mark.along}"
 
 
-def _rungs(points: Sequence[Point]) -> tuple[str, ...]:
-    """`ladder<tab>rung` of every rung, in order."""
-    rungs = {(_name(point), point.index, point.rung) for point in points}
-    in_order = sorted(rungs, key=lambda rung: (rung[0], rung[1]))
-    return tuple(f"{ladder}\t{rung}" for ladder, _, rung in in_order)
+def _points(marks: Sequence[Mark]) -> tuple[str, ...]:
+    """`sweep<tab>point` of every point, in order."""
+    points = {(_name(mark), mark.index, mark.point) for mark in marks}
+    in_order = sorted(points, key=lambda point: (point[0], point[1]))
+    return tuple(f"{sweep}\t{point}" for sweep, _, point in in_order)
 
 
-def _styles(points: Sequence[Point]) -> list[tuple[str, str, str]]:
+def _styles(marks: Sequence[Mark]) -> list[tuple[str, str, str]]:
     """(series, colour, shape): a colour an engine, a shape a method."""
     methods: dict[str, list[str]] = {}
     colours: dict[str, str] = {}
-    for point in points:
+    for mark in marks:
         others = sum(colour != REFERENCE for colour in colours.values())
-        if point.is_reference:
+        if mark.is_reference:
             colour = REFERENCE
         else:
             colour = ENGINES[others % len(ENGINES)]
-        colours.setdefault(point.engine, colour)
-        mine = methods.setdefault(point.engine, [])
-        if point.method not in mine:
-            mine.append(point.method)
+        colours.setdefault(mark.engine, colour)
+        mine = methods.setdefault(mark.engine, [])
+        if mark.method not in mine:
+            mine.append(mark.method)
     styles = []
     for engine, mine in methods.items():
         for number, method in enumerate(mine):
@@ -131,7 +131,7 @@ def markdown(
     parts = [f"# {title}", words, *map(titled_table, tables)]
     for section in sections:
         parts += [f"## {section.title}", markdown_text(section.question)]
-        if pictures and section.points:
+        if pictures and section.marks:
             parts.append(f"![{CAPTION}]({pictures}/stress-{section.id}.svg)")
         parts += map(titled_table, section.tables)
     return "\n\n".join(parts) + "\n"

@@ -1,3 +1,3 @@
-"""Numerical stability: scenes are made harder in steps (rungs of a ladder), each judged as in a
-run, until a method fails; the rung at which it fails is a number.
+"""Numerical stability: scenes are made harder in steps (points of a sweep), each judged as in a
+run, until a method fails; the point at which it fails is a number.
 """

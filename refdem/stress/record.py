@@ -1,5 +1,5 @@
-"""Results of a stress test: a verdict for each rung, the rung at which a method breaks, and whether
-a promise was kept.
+"""Results of a stress test: a verdict for each point, the point at which a method breaks, and
+whether a promise was kept.
 """
 
 from pathlib import Path
@@ -17,14 +17,14 @@ holds.
 """
 
 
-class Rung(msgspec.Struct, frozen=True, kw_only=True):
-    """The result of one rung: its worst finding, or of passes the one nearest to its bound.
+class Point(msgspec.Struct, frozen=True, kw_only=True):
+    """The result of one point: its worst finding, or of passes the one nearest to its bound.
 
     `value`, `bound`, `basis` and `sentence` are those of the finding; `seconds` is the time in the
-    engine's loop. `forecast` [s] is the expected time of a rung that was not run.
+    engine's loop. `forecast` [s] is the expected time of a point that was not run.
     """
 
-    rung: str
+    point: str
     verdict: Verdict
     quantity: str = ""
     value: float | None = None
@@ -35,23 +35,23 @@ class Rung(msgspec.Struct, frozen=True, kw_only=True):
     forecast: float | None = None
 
 
-class Climb(msgspec.Struct, frozen=True, kw_only=True):
-    """One method on one ladder.
+class MethodSweep(msgspec.Struct, frozen=True, kw_only=True):
+    """One method on one sweep.
 
-    `holds` is the last rung before the first that does not pass; `breaks` is that first one if it
-    failed. `required` is the last rung that had to hold, if any. `kept` is True if all rungs up to
-    it passed, and None if nothing was required or some were not run.
+    `holds` is the last point before the first that does not pass; `breaks` is that first one if it
+    failed. `required` is the last point that had to hold, if any. `kept` is True if all points up
+    to it passed, and None if nothing was required or some were not run.
     """
 
     battery: str
-    ladder: str
+    sweep: str
     label: str
     along: str
     engine: str
     version: str
     method: str
     is_reference: bool
-    rungs: list[Rung]
+    points: list[Point]
     holds: float | None = None
     breaks: float | None = None
     required: float | None = None
@@ -59,9 +59,9 @@ class Climb(msgspec.Struct, frozen=True, kw_only=True):
     kept: bool | None = None
 
     @property
-    def end(self) -> Rung | None:
-        """The first rung that does not pass."""
-        return next((rung for rung in self.rungs if rung.verdict != "pass"), None)
+    def end(self) -> Point | None:
+        """The first point that does not pass."""
+        return next((point for point in self.points if point.verdict != "pass"), None)
 
 
 class Ask(msgspec.Struct, frozen=True, kw_only=True):
@@ -75,14 +75,14 @@ class Ask(msgspec.Struct, frozen=True, kw_only=True):
 class StressRecord(msgspec.Struct, frozen=True, kw_only=True):
     """All results of one stress test.
 
-    `refused` lists (engine, ladder, reason) where no method of the engine supports the ladder.
+    `refused` lists (engine, sweep, reason) where no method of the engine supports the sweep.
     """
 
-    format: int = 1
+    format: int = 2
     refdem: str
     longest: float
     batteries: list[Ask]
-    climbs: list[Climb]
+    results: list[MethodSweep]
     refused: list[tuple[str, str, str]] = []
 
 

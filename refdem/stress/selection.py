@@ -1,4 +1,4 @@
-"""Discovery of batteries, and the selection of ladders for the cases that were asked for."""
+"""Discovery of batteries, and the selection of sweeps for the cases that were asked for."""
 
 from collections.abc import Sequence
 from dataclasses import replace
@@ -9,7 +9,7 @@ from pathlib import Path
 from refdem.core.parameters import nearest
 from refdem.errors import UsageError
 from refdem.planning.specification import Entry
-from refdem.stress.ladder import Battery, Ladder
+from refdem.stress.sweep import Battery, Sweep
 
 FOLDER = Path(__file__).with_name("batteries")
 
@@ -30,34 +30,34 @@ def battery(name: str) -> Battery:
 
 
 def batteries(asked: Sequence[str], cases: Sequence[Entry]) -> list[Battery]:
-    """The batteries asked for (none: all), with only the ladders on the given cases (none: all).
+    """The batteries asked for (none: all), with only the sweeps on the given cases (none: all).
 
-    Raises UsageError if no ladder is left.
+    Raises UsageError if no sweep is left.
     """
     selected = [battery(name) for name in asked or names()]
     if cases:
         selected = [_limited(candidate, cases) for candidate in selected]
-    selected = [candidate for candidate in selected if candidate.ladders]
+    selected = [candidate for candidate in selected if candidate.sweeps]
     if not selected:
         batteries_asked = ", ".join(asked or names())
         cases_asked = ", ".join(entry.id for entry in cases)
-        raise UsageError(f"no ladder of {batteries_asked} is on {cases_asked}")
+        raise UsageError(f"no sweep of {batteries_asked} is on {cases_asked}")
     return selected
 
 
 def _limited(source: Battery, cases: Sequence[Entry]) -> Battery:
-    """A battery with only the ladders on these cases."""
-    ladders: list[Ladder] = []
+    """A battery with only the sweeps on these cases."""
+    sweeps: list[Sweep] = []
     for entry in cases:
-        ladders += _ladders_for(source, entry)
-    return replace(source, ladders=tuple(ladders))
+        sweeps += _sweeps_for(source, entry)
+    return replace(source, sweeps=tuple(sweeps))
 
 
-def _ladders_for(source: Battery, entry: Entry) -> list[Ladder]:
-    """The ladders of a battery for a case: those made for it, and general ones put on it, one of
+def _sweeps_for(source: Battery, entry: Entry) -> list[Sweep]:
+    """The sweeps of a battery for a case: those made for it, and general ones put on it, one of
     each kind.
 
-    A ladder made for a case sets its parameters itself, so it does not apply to a case with given
+    A sweep made for a case sets its parameters itself, so it does not apply to a case with given
     parameters.
     """
     specific = []
@@ -66,20 +66,20 @@ def _ladders_for(source: Battery, entry: Entry) -> list[Ladder]:
         parameters = " ".join(f"{name}={value}" for name, value in entry.set.items())
         label = f"{entry.id}[{parameters}]"
     else:
-        made_for_cases = [ladder for ladder in source.ladders if not ladder.is_general]
-        specific = [ladder for ladder in made_for_cases if ladder.canonical()[0].id == entry.id]
-    general = {ladder.along: ladder for ladder in reversed(source.ladders) if ladder.is_general}
-    adapted = [_on_other_case(ladder, label) for ladder in reversed(general.values())]
+        made_for_cases = [sweep for sweep in source.sweeps if not sweep.is_general]
+        specific = [sweep for sweep in made_for_cases if sweep.canonical()[0].id == entry.id]
+    general = {sweep.along: sweep for sweep in reversed(source.sweeps) if sweep.is_general}
+    adapted = [_on_other_case(sweep, label) for sweep in reversed(general.values())]
     return specific + adapted
 
 
-def _on_other_case(ladder: Ladder, label: str) -> Ladder:
-    """A general ladder on another case, without its promise, which holds for its own case only."""
-    if ladder.case == label:
-        return ladder
+def _on_other_case(sweep: Sweep, label: str) -> Sweep:
+    """A general sweep on another case, without its promise, which holds for its own case only."""
+    if sweep.case == label:
+        return sweep
     return replace(
-        ladder,
-        name=f"{ladder.name.split(':')[0]}: {label}",
+        sweep,
+        name=f"{sweep.name.split(':')[0]}: {label}",
         case=label,
         promised="",
         basis="",

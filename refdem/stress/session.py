@@ -27,10 +27,10 @@ from refdem.execution.schedule import InProcess, Job, Schedule, counted
 from refdem.planning import judging, plan, truths
 from refdem.planning.plan import Task
 from refdem.planning.specification import Specification
-from refdem.stress.ladder import Battery, Ladder
-from refdem.stress.record import Ask, Climb, Rung, StressRecord
+from refdem.stress.record import Ask, MethodSweep, Point, StressRecord
 from refdem.stress.scenes import truth_here
-from refdem.stress.verdict import climbed, rung_of
+from refdem.stress.sweep import Battery, Sweep
+from refdem.stress.verdict import point_of, summarised
 
 GRACE = 10.0
 """Seconds that a worker gets beyond a program's own time limit, to start it and to read its
@@ -42,12 +42,12 @@ Progress = Callable[[str, int, int], None]
 
 @dataclass(frozen=True, eq=False)
 class Attempt:
-    """One rung of one method on one ladder: the instance to be run, and who runs it. `number`
-    counts rungs from 0.
+    """One point of one method on one sweep: the instance to be run, and who runs it. `number`
+    counts points from 0.
     """
 
     battery: Battery
-    ladder: Ladder
+    sweep: Sweep
     number: int
     engine: Engine
     method: Method
@@ -55,22 +55,22 @@ class Attempt:
 
     @property
     def x(self) -> Fraction:
-        """The rung as an exact number."""
-        return self.ladder.values[self.number]
+        """The point as an exact number."""
+        return self.sweep.values[self.number]
 
     @property
-    def climb(self) -> tuple[str, str, str, str]:
-        """Key of the climb that the rung belongs to: battery, ladder, engine, method."""
-        return self.battery.id, self.ladder.name, self.engine.name, self.method.name
+    def result(self) -> tuple[str, str, str, str]:
+        """Key of the method sweep that the point belongs to: battery, sweep, engine, method."""
+        return self.battery.id, self.sweep.name, self.engine.name, self.method.name
 
 
 Wave = list[tuple[Attempt, Task | Failure]]
-"""Rungs that run together, each with its task, or the failure to make one."""
+"""Points that run together, each with its task, or the failure to make one."""
 
 
 @dataclass(frozen=True, eq=False)
 class Need:
-    """A run that a rung needs: the rung's place in its wave, the variant and the request."""
+    """A run that a point needs: the point's place in its wave, the variant and the request."""
 
     place: int
     variant: Variant
@@ -79,11 +79,11 @@ class Need:
 
 @dataclass
 class Stress:
-    """A stress test of ladders by engines.
+    """A stress test of sweeps by engines.
 
-    `timeout` [s] limits each run; rungs of costly ladders with a forecast above `longest` [s] are
-    not run. With `require` every engine is held to what the reference promises. `rungs` collects
-    the results by climb and rung.
+    `timeout` [s] limits each run; points of costly sweeps with a forecast above `longest` [s] are
+    not run. With `require` every engine is held to what the reference promises. `points` collects
+    the results by method sweep and point.
     """
 
     batteries: Sequence[Battery]
@@ -95,13 +95,13 @@ class Stress:
     longest: float = 5.0
     require: bool = False
     progress: Progress = lambda stage, done, total: None
-    rungs: dict[tuple[str, str, str, str], dict[int, Rung]] = field(default_factory=dict)
+    points: dict[tuple[str, str, str, str], dict[int, Point]] = field(default_factory=dict)
 
     def record(self) -> StressRecord:
-        """Climbs all ladders and returns the record.
+        """Runs all sweeps and returns the record.
 
-        Rungs run in waves: wave n has rung n of all costly ladders, whose forecasts need the rung
-        before; all other rungs are in wave 0.
+        Points run in waves: wave n has point n of all costly sweeps, whose forecasts need the point
+        before; all other points are in wave 0.
         """
         specification = Specification(
             name="stress", case=[], engines=self.engines, method=self.method
@@ -111,8 +111,8 @@ class Stress:
         versions = {engine.name: engine.version() for engine in engines}
         attempts: list[Attempt] = []
         for battery in self.batteries:
-            for ladder in battery.ladders:
-                attempts += self._attempts(battery, ladder, engines)
+            for sweep in battery.sweeps:
+                attempts += self._attempts(battery, sweep, engines)
         workers: Schedule | InProcess = InProcess()
         if self.jobs:
             workers = Schedule(self.jobs, self.timeout)
@@ -125,14 +125,12 @@ class Stress:
                 self._run(schedule, wave)
         return self._recorded(attempts, versions)
 
-    def _attempts(
-        self, battery: Battery, ladder: Ladder, engines: Sequence[Engine]
-    ) -> list[Attempt]:
-        """An attempt at every rung of the ladder for every method that answers its kind of
+    def _attempts(self, battery: Battery, sweep: Sweep, engines: Sequence[Engine]) -> list[Attempt]:
+        """An attempt at every point of the sweep for every method that answers its kind of
         problem.
         """
-        case, parameters = ladder.canonical()
-        instances = [ladder.measure.instance(case, parameters, x) for x in ladder.values]
+        case, parameters = sweep.canonical()
+        instances = [sweep.measure.instance(case, parameters, x) for x in sweep.values]
         kind = instances[0].problem.kind
         attempts: list[Attempt] = []
         for engine in engines:
@@ -140,12 +138,12 @@ class Stress:
                 if method.answers != kind:
                     continue
                 for number, instance in enumerate(instances):
-                    attempts.append(Attempt(battery, ladder, number, engine, method, instance))
+                    attempts.append(Attempt(battery, sweep, number, engine, method, instance))
         return attempts
 
     def _wave(self, attempt: Attempt) -> int:
-        """The number of the wave: the rung's for costly ladders, else 0."""
-        if attempt.ladder.costly:
+        """The number of the wave: the point's for costly sweeps, else 0."""
+        if attempt.sweep.costly:
             return attempt.number
         return 0
 
@@ -170,7 +168,7 @@ class Stress:
         instances = {
             attempt.instance.label: attempt.instance
             for attempt in attempts
-            if attempt.ladder.measure.needs_truth
+            if attempt.sweep.measure.needs_truth
         }
         delays = _delays(attempts)
         truth_of = {label: truth_here(instance) for label, instance in instances.items()}
@@ -183,7 +181,7 @@ class Stress:
         return truth_of | dict(zip(missing, proven, strict=True))
 
     def _run(self, schedule: Schedule | InProcess, wave: Wave) -> None:
-        """Runs and judges the rungs of one wave; equal requests run once."""
+        """Runs and judges the points of one wave; equal requests run once."""
         jobs: dict[str, Job] = {}
         needs: dict[str, list[Need]] = {}
         for place, (attempt, task) in enumerate(wave):
@@ -192,7 +190,7 @@ class Stress:
             if self._is_too_long(attempt):
                 continue
             for variant in task.variants:
-                request = attempt.ladder.measure.request(task, variant, attempt.x)
+                request = attempt.sweep.measure.request(task, variant, attempt.x)
                 job = self._job(attempt.engine, request)
                 jobs.setdefault(job.key, job)
                 needs.setdefault(job.key, []).append(Need(place, variant, request))
@@ -204,8 +202,8 @@ class Stress:
                 run = _run_of(job.key, need.request, attempt.engine, result)
                 runs[need.place][need.variant] = run
         for (attempt, task), runs_by_variant in zip(wave, runs, strict=True):
-            rung = self._rung(attempt, task, runs_by_variant)
-            self.rungs.setdefault(attempt.climb, {})[attempt.number] = rung
+            point = self._point(attempt, task, runs_by_variant)
+            self.points.setdefault(attempt.result, {})[attempt.number] = point
 
     def _job(self, engine: Engine, request: Request) -> Job:
         """The job of a request to an engine; equal keys mean equal engines and requests."""
@@ -229,94 +227,94 @@ class Stress:
         return forecast is not None and forecast > self.longest
 
     def _forecast(self, attempt: Attempt) -> float | None:
-        """Expected seconds of a rung of a costly ladder, from the rung before; None for other
-        ladders and for the first rung.
+        """Expected seconds of a point of a costly sweep, from the point before; None for other
+        sweeps and for the first point.
 
-        The time is assumed to grow at least in proportion to the rung's number.
+        The time is assumed to grow at least in proportion to the point's number.
         """
-        if not attempt.ladder.costly:
+        if not attempt.sweep.costly:
             return None
-        previous = self.rungs.get(attempt.climb, {}).get(attempt.number - 1)
+        previous = self.points.get(attempt.result, {}).get(attempt.number - 1)
         if previous is None:
             return None
-        # Rungs may fall as well as rise: the ratio is taken so that it is at least 1.
-        growth = float(attempt.x / attempt.ladder.values[attempt.number - 1])
+        # Points may fall as well as rise: the ratio is taken so that it is at least 1.
+        growth = float(attempt.x / attempt.sweep.values[attempt.number - 1])
         growth = max(growth, 1 / growth)
         if previous.forecast is not None:
             return previous.forecast * growth
         return previous.seconds * growth
 
-    def _rung(self, attempt: Attempt, task: Task | Failure, runs: dict[Variant, Run]) -> Rung:
-        """The verdict on one rung, from the runs that it needed."""
-        name = attempt.ladder.rungs[attempt.number]
+    def _point(self, attempt: Attempt, task: Task | Failure, runs: dict[Variant, Run]) -> Point:
+        """The verdict on one point, from the runs that it needed."""
+        name = attempt.sweep.points[attempt.number]
         if isinstance(task, Failure):
-            return Rung(rung=name, verdict="error", quantity="run: scene", sentence=task.sentence)
+            return Point(point=name, verdict="error", quantity="run: scene", sentence=task.sentence)
         if task.unsupported is None and self._is_too_long(attempt):
             forecast = self._forecast(attempt)
-            return Rung(
-                rung=name,
+            return Point(
+                point=name,
                 verdict="not run",
                 forecast=forecast,
                 sentence="The forecast run time exceeds the budget (--longest).",
             )
         try:
-            return rung_of(name, judging.record(task, "", runs, []))
+            return point_of(name, judging.record(task, "", runs, []))
         except (ArithmeticError, IndexError, ValueError) as error:
-            # A check failed on extreme values: that is an error of one rung, not of the session.
+            # A check failed on extreme values: that is an error of one point, not of the session.
             sentence = (
                 f"a check of refdem failed to judge it ({type(error).__name__}: {error});"
                 " please report this"
             )
-            return Rung(rung=name, verdict="error", quantity="run: judging", sentence=sentence)
+            return Point(point=name, verdict="error", quantity="run: judging", sentence=sentence)
 
     def _recorded(self, attempts: Sequence[Attempt], versions: dict[str, str]) -> StressRecord:
-        """The record of all climbs but those that were refused from the first rung; reasons where
-        an engine has no other.
+        """The record of all method sweeps but those that were refused from the first point;
+        reasons where an engine has no other.
         """
         first_attempts: dict[tuple[str, str, str, str], Attempt] = {}
         for attempt in attempts:
-            first_attempts.setdefault(attempt.climb, attempt)
-        climbs: list[Climb] = []
+            first_attempts.setdefault(attempt.result, attempt)
+        results: list[MethodSweep] = []
         refusals: dict[tuple[str, str, str], str] = {}
         for attempt in first_attempts.values():
-            rungs = [rung for _, rung in sorted(self.rungs[attempt.climb].items())]
-            if rungs[0].verdict == "unsupported":
-                climber = (attempt.battery.id, attempt.ladder.name, attempt.engine.name)
-                refusals.setdefault(climber, rungs[0].sentence)
+            points = [point for _, point in sorted(self.points[attempt.result].items())]
+            if points[0].verdict == "unsupported":
+                engine_sweep = (attempt.battery.id, attempt.sweep.name, attempt.engine.name)
+                refusals.setdefault(engine_sweep, points[0].sentence)
             else:
-                climbs.append(self._climb(attempt, versions[attempt.engine.name], rungs))
-        # An engine that climbs a ladder with one method supports it.
-        for climb in climbs:
-            refusals.pop((climb.battery, climb.ladder, climb.engine), None)
+                results.append(self._summary(attempt, versions[attempt.engine.name], points))
+        # An engine that runs a sweep with one method supports it.
+        for result in results:
+            refusals.pop((result.battery, result.sweep, result.engine), None)
         batteries = {attempt.battery.id: attempt.battery for attempt in attempts}
         asks = [Ask(id=b.id, title=b.title, question=b.question) for b in batteries.values()]
         return StressRecord(
             refdem=refdem.__version__,
             longest=self.longest,
             batteries=asks,
-            climbs=climbs,
-            refused=[(engine, ladder, why) for (_, ladder, engine), why in refusals.items()],
+            results=results,
+            refused=[(engine, sweep, why) for (_, sweep, engine), why in refusals.items()],
         )
 
-    def _climb(self, first: Attempt, version: str, rungs: list[Rung]) -> Climb:
-        """The climb of the method of a first attempt, with the verdicts on its rungs."""
-        empty = Climb(
+    def _summary(self, first: Attempt, version: str, points: list[Point]) -> MethodSweep:
+        """The method sweep of the method of a first attempt, with the verdicts on its points."""
+        empty = MethodSweep(
             battery=first.battery.id,
-            ladder=first.ladder.name,
+            sweep=first.sweep.name,
             label=first.instance.case.id,
-            along=first.ladder.along,
+            along=first.sweep.along,
             engine=first.engine.name,
             version=version,
             method=first.method.name,
             is_reference=first.engine.is_reference,
-            rungs=[],
+            points=[],
         )
         is_required = self.require or first.engine.is_reference
-        return climbed(empty, first.ladder, rungs, is_required=is_required)
+        return summarised(empty, first.sweep, points, is_required=is_required)
 
 
 def quiet_run(engine: str, request: bytes) -> bytes:
-    """A run in a worker, without warnings: extreme rungs overflow and underflow by design."""
+    """A run in a worker, without warnings: extreme points overflow and underflow by design."""
     with np.errstate(all="ignore"):
         return worker.run(engine, request)
 
@@ -327,7 +325,7 @@ def _task(attempt: Attempt, truth: SampledTruth) -> Task | Failure:
     """
     try:
         with np.errstate(all="ignore"):
-            return attempt.ladder.measure.task(
+            return attempt.sweep.measure.task(
                 attempt.engine, attempt.method, attempt.instance, attempt.x, truth
             )
     except (RefdemError, ArithmeticError, ValueError) as error:
@@ -347,7 +345,7 @@ def _delays(attempts: Sequence[Attempt]) -> dict[str, tuple[float, ...]]:
     delays_of: dict[str, set[float]] = {}
     for attempt in attempts:
         if attempt.method.velocity_time != "synchronous":
-            levels = attempt.ladder.measure.levels(attempt.instance, attempt.method, attempt.x)
+            levels = attempt.sweep.measure.levels(attempt.instance, attempt.method, attempt.x)
             lags = {attempt.method.delay(level) for level in levels}
             delays_of.setdefault(attempt.instance.label, set()).update(lags)
     return {label: tuple(sorted(lags)) for label, lags in delays_of.items()}

@@ -1,4 +1,4 @@
-"""From findings to verdicts: the verdict of a rung, and the rung at which a method breaks."""
+"""From findings to verdicts: the verdict of a point, and the point at which a method breaks."""
 
 import math
 from collections.abc import Sequence
@@ -8,17 +8,17 @@ import msgspec
 
 from refdem.core import finding
 from refdem.core.finding import FAILING, Finding
-from refdem.stress.ladder import Ladder
-from refdem.stress.record import BROKEN, Climb, Rung, Verdict
+from refdem.stress.record import BROKEN, MethodSweep, Point, Verdict
+from refdem.stress.sweep import Sweep
 
 
-def rung_of(rung: str, judged: finding.Record) -> Rung:
-    """The result of a rung from all findings on it: the worst one, and of passes the one nearest to
-    its bound.
+def point_of(point: str, judged: finding.Record) -> Point:
+    """The result of a point from all findings on it: the worst one, and of passes the one nearest
+    to its bound.
     """
     verdict, chosen = _worst(judged.findings)
-    return Rung(
-        rung=rung,
+    return Point(
+        point=point,
         verdict=verdict,
         quantity=f"{chosen.check}: {chosen.quantity}",
         value=chosen.value,
@@ -62,36 +62,38 @@ def _margin(judged: Finding) -> float:
     return 0.0
 
 
-def climbed(empty: Climb, ladder: Ladder, rungs: Sequence[Rung], *, is_required: bool) -> Climb:
-    """The climb with its rungs: the last that holds, the first that breaks, and whether the promise
-    was kept.
+def summarised(
+    empty: MethodSweep, sweep: Sweep, points: Sequence[Point], *, is_required: bool
+) -> MethodSweep:
+    """The method sweep with its points: the last that holds, the first that breaks, and whether the
+    promise was kept.
     """
     holds = None
     breaks = None
-    for rung in rungs:
-        if rung.verdict != "pass":
-            if rung.verdict in BROKEN:
-                breaks = float(Fraction(rung.rung))
+    for point in points:
+        if point.verdict != "pass":
+            if point.verdict in BROKEN:
+                breaks = float(Fraction(point.point))
             else:
                 breaks = None
             break
-        holds = float(Fraction(rung.rung))
-    climb = msgspec.structs.replace(empty, rungs=list(rungs), holds=holds, breaks=breaks)
-    promised, basis = ladder.promise(empty.method)
+        holds = float(Fraction(point.point))
+    result = msgspec.structs.replace(empty, points=list(points), holds=holds, breaks=breaks)
+    promised, basis = sweep.promise(empty.method)
     if not is_required or not promised:
-        return climb
+        return result
     required = float(Fraction(promised))
-    promised_rungs = rungs[: ladder.rungs.index(promised) + 1]
+    promised_points = points[: sweep.points.index(promised) + 1]
     return msgspec.structs.replace(
-        climb, required=required, basis=basis, kept=_kept(promised_rungs)
+        result, required=required, basis=basis, kept=_kept(promised_points)
     )
 
 
-def _kept(promised_rungs: Sequence[Rung]) -> bool | None:
-    """False if any rung up to the promise did not pass; None if some were not run or not supported;
-    else True.
+def _kept(promised_points: Sequence[Point]) -> bool | None:
+    """False if any point up to the promise did not pass; None if some were not run or not
+    supported; else True.
     """
-    verdicts = {rung.verdict for rung in promised_rungs}
+    verdicts = {point.verdict for point in promised_points}
     if verdicts & {"fail", "error", "undecided"}:
         return False
     if verdicts & {"not run", "unsupported"}:
@@ -99,43 +101,43 @@ def _kept(promised_rungs: Sequence[Rung]) -> bool | None:
     return True
 
 
-def words(climb: Climb) -> tuple[str, str]:
-    """Two phrases: the last rung that a climb holds, and where and how it ends."""
-    if climb.holds is None:
+def words(result: MethodSweep) -> tuple[str, str]:
+    """Two phrases: the last point that a method sweep holds, and where and how it ends."""
+    if result.holds is None:
         holds = "nothing"
     else:
-        holds = number(climb.holds)
-    end = climb.end
+        holds = number(result.holds)
+    end = result.end
     if end is None:
-        return holds, "not in these rungs"
-    from_end = climb.rungs[climb.rungs.index(end) :]
-    passes = sum(rung.verdict == "pass" for rung in from_end)
+        return holds, "not in these points"
+    from_end = result.points[result.points.index(end) :]
+    passes = sum(point.verdict == "pass" for point in from_end)
     if passes:
         exception = f", but holds at {passes} beyond"
     else:
         exception = ""
-    return holds, f"{end.verdict} at {number(float(Fraction(end.rung)))}{exception}"
+    return holds, f"{end.verdict} at {number(float(Fraction(end.point)))}{exception}"
 
 
 def number(value: float) -> str:
-    """A rung as text with a few digits: `1e8`, `0.5`."""
+    """A point as text with a few digits: `1e8`, `0.5`."""
     if value == 0 or 1e-2 <= abs(value) < 1e4:
         return f"{value:.4g}"
     mantissa, _, exponent = f"{value:.1e}".partition("e")
     return f"{mantissa.removesuffix('.0')}e{int(exponent)}"
 
 
-def shown_rung(rung: str) -> str:
-    """A rung's text in the form of `number`."""
-    return number(float(Fraction(rung)))
+def shown_point(point: str) -> str:
+    """A point's text in the form of `number`."""
+    return number(float(Fraction(point)))
 
 
-def ratio(rung: Rung) -> float | None:
-    """Value over bound of a rung; None without a value."""
-    if rung.value is None or rung.bound is None:
+def ratio(point: Point) -> float | None:
+    """Value over bound of a point; None without a value."""
+    if point.value is None or point.bound is None:
         return None
-    if rung.bound == 0:
-        if rung.value == 0:
+    if point.bound == 0:
+        if point.value == 0:
             return 0.0
         return math.inf
-    return rung.value / rung.bound
+    return point.value / point.bound

@@ -1,5 +1,5 @@
 """The command from end to end: exit status, JSON, pages; programs with a refdem.toml; crashes and
-hangs that cost one rung.
+hangs that cost one point.
 """
 
 import json
@@ -16,7 +16,7 @@ import typer
 from refdem.cli.schema import command as schema
 from refdem.cli.stress import command, status
 from refdem.errors import UsageError
-from refdem.stress.record import Climb, Rung, StressRecord, read
+from refdem.stress.record import MethodSweep, Point, StressRecord, read
 
 DEFAULT: dict[str, Any] = {
     "require": False,
@@ -87,8 +87,8 @@ def test_a_stress_test_writes_its_record_and_its_pages(
         == 0
     )
     record = read(tmp_path / "out" / "stress.json")
-    (climb,) = record.climbs
-    assert (climb.holds, climb.breaks, climb.kept) == (0.99, 1.01, True)
+    (result,) = record.results
+    assert (result.holds, result.breaks, result.kept) == (0.99, 1.01, True)
     assert "holds to 0.99" in capsys.readouterr().out
     text = (tmp_path / "out" / "stress.md").read_text()
     assert "| 0.99 | fail at 1.01, but" not in text
@@ -102,7 +102,7 @@ def test_the_record_is_what_the_schema_says(
 ) -> None:
     schema("stress")
     shown = json.loads(capsys.readouterr().out)
-    assert {"climbs", "batteries"} <= set(shown["$defs"]["StressRecord"]["properties"])
+    assert {"results", "batteries"} <= set(shown["$defs"]["StressRecord"]["properties"])
     ended(
         engine=["reference"],
         battery=["step-limit"],
@@ -113,7 +113,7 @@ def test_the_record_is_what_the_schema_says(
     msgspec.json.decode(capsys.readouterr().out, type=StressRecord)
 
 
-def test_a_program_is_stressed_by_its_refdem_toml_and_a_crash_or_a_hang_costs_one_rung(
+def test_a_program_is_stressed_by_its_refdem_toml_and_a_crash_or_a_hang_costs_one_point(
     ended: Callable[..., int], tmp_path: Path
 ) -> None:
     (tmp_path / "springs.py").write_text(PROGRAM)
@@ -124,66 +124,66 @@ def test_a_program_is_stressed_by_its_refdem_toml_and_a_crash_or_a_hang_costs_on
         "case": ["harmonic-oscillator"],
     }
     assert ended(**asked) == 0
-    harder, softer = read(tmp_path / "out" / "stress.json").climbs
-    assert [rung.verdict for rung in harder.rungs] == ["pass", "pass", "error", "error", "error"]
-    assert "still running" in harder.rungs[2].sentence
-    assert "still running" not in harder.rungs[4].sentence
+    harder, softer = read(tmp_path / "out" / "stress.json").results
+    assert [point.verdict for point in harder.points] == ["pass", "pass", "error", "error", "error"]
+    assert "still running" in harder.points[2].sentence
+    assert "still running" not in harder.points[4].sentence
     assert softer.holds == 1e-12
     assert ended(**asked, require=True) == 3
 
 
-def test_what_has_no_ladder_is_refused_with_what_there_is(ended: Callable[..., int]) -> None:
-    with pytest.raises(UsageError, match="no ladder of stiffness is on captured-mass"):
+def test_what_has_no_sweep_is_refused_with_what_there_is(ended: Callable[..., int]) -> None:
+    with pytest.raises(UsageError, match="no sweep of stiffness is on captured-mass"):
         ended(engine=["reference"], battery=["stiffness"], case=["captured-mass"])
     with pytest.raises(UsageError, match="did you mean 'stiffness'"):
         ended(engine=["reference"], battery=["stifness"])
 
 
-def test_general_ladders_are_put_on_any_motion(ended: Callable[..., int], tmp_path: Path) -> None:
+def test_general_sweeps_are_put_on_any_motion(ended: Callable[..., int], tmp_path: Path) -> None:
     assert ended(engine=["reference"], battery=["frame"], case=["captured-mass[speed=2]"]) == 0
     record = read(tmp_path / "out" / "stress.json")
-    assert {climb.ladder for climb in record.climbs} >= {
+    assert {result.sweep for result in record.results} >= {
         "far away: captured-mass[speed=2]",
         "turned: captured-mass[speed=2]",
     }
-    assert all(climb.required is None for climb in record.climbs)
+    assert all(result.required is None for result in record.results)
 
 
 @pytest.mark.parametrize(("verdict", "expected"), [("fail", 1), ("undecided", 1), ("error", 3)])
 def test_exit_status(verdict: Any, expected: int) -> None:
-    rungs = [Rung(rung="1", verdict=verdict)]
-    climb = Climb(
+    points = [Point(point="1", verdict=verdict)]
+    result = MethodSweep(
         battery="b",
-        ladder="l",
+        sweep="l",
         label="c",
         along="x",
         engine="e",
         version="",
         method="m",
         is_reference=True,
-        rungs=rungs,
+        points=points,
         kept=False,
     )
-    record = StressRecord(refdem="0", longest=1.0, batteries=[], climbs=[climb])
+    record = StressRecord(refdem="0", longest=1.0, batteries=[], results=[result])
     assert status(record) == expected
 
 
 @pytest.mark.parametrize("verdict", ["fail", "error", "pass"])
 def test_a_breaking_point_that_nobody_promised_is_no_failure(verdict: Any) -> None:
-    rungs = [Rung(rung="1", verdict=verdict)]
-    climb = Climb(
+    points = [Point(point="1", verdict=verdict)]
+    result = MethodSweep(
         battery="b",
-        ladder="l",
+        sweep="l",
         label="c",
         along="x",
         engine="e",
         version="",
         method="m",
         is_reference=True,
-        rungs=rungs,
+        points=points,
         kept=None,
     )
-    assert status(StressRecord(refdem="0", longest=1.0, batteries=[], climbs=[climb])) == 0
+    assert status(StressRecord(refdem="0", longest=1.0, batteries=[], results=[result])) == 0
 
 
 def test_a_file_that_is_no_record_is_refused(tmp_path: Path) -> None:

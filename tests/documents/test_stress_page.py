@@ -1,4 +1,4 @@
-"""reports/stress.md: it has every ladder that `refdem stress` climbs, and no other."""
+"""reports/stress.md: it has every sweep that `refdem stress` runs, and no other."""
 
 import re
 from pathlib import Path
@@ -10,10 +10,10 @@ ROOT = Path(__file__).parents[2]
 REPORTS = ROOT / "reports"
 PAGE = (REPORTS / "stress.md").read_text()
 SUMMARY, *SECTIONS = PAGE.split("\n## ")
-LADDERS = {
-    (battery.id, markdown_text(ladder.name), markdown_text(ladder.along))
+SWEEPS = {
+    (battery.id, markdown_text(sweep.name), markdown_text(sweep.along))
     for battery in selection.batteries([], [])
-    for ladder in battery.ladders
+    for sweep in battery.sweeps
 }
 
 
@@ -24,9 +24,9 @@ def rows_of(text: str) -> list[list[str]]:
     return [[cell.strip() for cell in row] for row in rows]
 
 
-def test_the_page_has_every_ladder_and_no_other() -> None:
+def test_the_page_has_every_sweep_and_no_other() -> None:
     _, _, *rows = rows_of(SUMMARY)
-    assert {tuple(row[:3]) for row in rows} == LADDERS
+    assert {tuple(row[:3]) for row in rows} == SWEEPS
 
 
 def test_the_page_has_a_column_for_every_engine_with_the_reference_first() -> None:

@@ -1,4 +1,4 @@
-"""What the tests of batteries share: one ladder, shortened, climbed in this process by the
+"""What the tests of batteries share: one sweep, shortened, run in this process by the
 reference or by one that carries a fault.
 """
 
@@ -20,34 +20,34 @@ from refdem.stress.session import Stress
 REFERENCE = discovery.engine("reference")
 
 
-def climbs(
+def results(
     folder: Path,
     name: str,
-    ladder: str,
-    rungs: Sequence[str],
+    sweep: str,
+    points: Sequence[str],
     engine: Engine = REFERENCE,
     method: str = "",
     **options: Any,
 ) -> StressRecord:
-    """The record of one ladder with these rungs alone; the last of them that is promised stays
+    """The record of one sweep with these points alone; the last of them that is promised stays
     promised.
     """
     whole = battery(name)
-    (found,) = (one for one in whole.ladders if one.name == ladder)
-    if found.promised in rungs:
+    (found,) = (one for one in whole.sweeps if one.name == sweep)
+    if found.promised in points:
         promised = found.promised
     else:
         promised = ""
-    exempt = {who: due if due[0] in rungs else ("", "") for who, due in found.exempt.items()}
+    exempt = {who: due if due[0] in points else ("", "") for who, due in found.exempt.items()}
     short = replace(
         found,
-        rungs=tuple(rungs),
+        points=tuple(points),
         promised=promised,
         basis=found.basis if promised else "",
         exempt=exempt,
     )
     with discovery.engine_here(engine):
-        asked = replace(whole, ladders=(short,))
+        asked = replace(whole, sweeps=(short,))
         return Stress(
             [asked],
             Store(folder / "store.sqlite"),
@@ -59,8 +59,8 @@ def climbs(
 
 
 def verdicts(record: StressRecord) -> dict[str, list[str]]:
-    """Verdicts rung by rung, by method."""
-    return {climb.method: [rung.verdict for rung in climb.rungs] for climb in record.climbs}
+    """Verdicts point by point, by method."""
+    return {result.method: [point.verdict for point in result.points] for result in record.results}
 
 
 def carrier(name: str, *, before: Any = None, after: Any = None) -> Engine:

@@ -1,4 +1,4 @@
-"""Every battery has a fault that it kills, at the rung at which it begins to matter and not
+"""Every battery has a fault that it kills, at the point at which it begins to matter and not
 before.
 """
 
@@ -16,7 +16,7 @@ from tests.stress.carried import (
     changed_bodies,
     changed_elements,
     changed_run,
-    climbs,
+    results,
     verdicts,
 )
 
@@ -236,48 +236,48 @@ FAULTS: list[Killed] = [
 
 
 @pytest.mark.parametrize(
-    ("battery", "ladder", "method", "rungs", "engine"),
+    ("battery", "sweep", "method", "points", "engine"),
     FAULTS,
     ids=[f"{one[0]}-{one[1]}" for one in FAULTS],
 )
-def test_a_fault_is_killed_at_the_rung_where_it_matters(
+def test_a_fault_is_killed_at_the_point_where_it_matters(
     battery: str,
-    ladder: str,
+    sweep: str,
     method: str,
-    rungs: tuple[str, str],
+    points: tuple[str, str],
     engine: Callable[[], Engine],
     tmp_path: Path,
 ) -> None:
-    sound = climbs(tmp_path, battery, ladder, rungs, method=method, longest=1e9)
+    sound = results(tmp_path, battery, sweep, points, method=method, longest=1e9)
     assert verdicts(sound) == {method: ["pass", "pass"]}
-    assert verdicts(climbs(tmp_path, battery, ladder, rungs, engine(), method, longest=1e9)) == {
+    assert verdicts(results(tmp_path, battery, sweep, points, engine(), method, longest=1e9)) == {
         method: ["pass", "fail"]
     }
 
 
 @pytest.mark.parametrize(
-    ("change", "ladder", "rungs"),
+    ("change", "sweep", "points"),
     [
         (late_second, "hits at once", ("2", "4")),
         (pushed_apart, "shallower overlap", ("1e-4", "1e-12")),
     ],
 )
-def test_contacts_that_are_not_taken_as_they_are_are_seen_on_every_rung(
-    change: Any, ladder: str, rungs: tuple[str, str], tmp_path: Path
+def test_contacts_that_are_not_taken_as_they_are_are_seen_on_every_point(
+    change: Any, sweep: str, points: tuple[str, str], tmp_path: Path
 ) -> None:
-    found = climbs(
+    found = results(
         tmp_path,
         "contacts",
-        ladder,
-        rungs,
+        sweep,
+        points,
         carrier("moved", before=changed_bodies(change)),
         "contact-events",
     )
     assert verdicts(found) == {"contact-events": ["fail", "fail"]}
 
 
-def test_a_method_that_is_never_stable_breaks_on_the_first_rung(tmp_path: Path) -> None:
-    record = climbs(
+def test_a_method_that_is_never_stable_breaks_on_the_first_point(tmp_path: Path) -> None:
+    record = results(
         tmp_path,
         "step-limit",
         "step: harmonic-oscillator",
@@ -285,34 +285,34 @@ def test_a_method_that_is_never_stable_breaks_on_the_first_rung(tmp_path: Path) 
         Transparent(),
         "explicit-euler",
     )
-    (climb,) = record.climbs
-    assert (climb.holds, climb.breaks) == (None, 0.125)
+    (result,) = record.results
+    assert (result.holds, result.breaks) == (None, 0.125)
 
 
 def test_a_contact_within_four_steps_gives_back_its_energy_and_within_two_does_not(
     tmp_path: Path,
 ) -> None:
-    record = climbs(
+    record = results(
         tmp_path,
         "soft-contacts",
         "step against contact time",
         ("1/20", "1/4", "1/2"),
         method="velocity-verlet",
     )
-    (climb,) = record.climbs
-    assert (climb.holds, climb.breaks, climb.kept) == (0.25, 0.5, True)
+    (result,) = record.results
+    assert (result.holds, result.breaks, result.kept) == (0.25, 0.5, True)
 
 
 def test_verlet_breaks_at_two_over_omega(tmp_path: Path) -> None:
-    record = climbs(
+    record = results(
         tmp_path,
         "step-limit",
         "step: harmonic-oscillator",
         ("1/2", "99/100", "101/100", "2"),
         method="velocity-verlet",
     )
-    (climb,) = record.climbs
-    assert (climb.holds, climb.breaks, climb.kept) == (0.99, 1.01, True)
+    (result,) = record.results
+    assert (result.holds, result.breaks, result.kept) == (0.99, 1.01, True)
 
 
 def test_a_clock_that_is_summed_in_single_precision_is_an_error(tmp_path: Path) -> None:
@@ -322,7 +322,7 @@ def test_a_clock_that_is_summed_in_single_precision_is_an_error(tmp_path: Path) 
         ).astype(float)
 
     faulty = carrier("t += h", after=changed_run(t=lambda t: summed(t)))
-    record = climbs(
+    record = results(
         tmp_path, "many-steps", "harmonic oscillator", ("1024", "4096"), faulty, "velocity-verlet"
     )
     assert verdicts(record)["velocity-verlet"] == ["error", "error"]
@@ -337,19 +337,19 @@ def test_energy_that_creeps_is_seen_below_the_wobble_of_truncation(
 
     faulty = carrier("creeping", after=changed_run(position=grown, velocity=grown))
     assert verdicts(
-        climbs(tmp_path, "many-steps", "harmonic oscillator", ("1024",), method="velocity-verlet")
+        results(tmp_path, "many-steps", "harmonic oscillator", ("1024",), method="velocity-verlet")
     ) == {"velocity-verlet": ["pass"]}
-    record = climbs(
+    record = results(
         tmp_path, "many-steps", "harmonic oscillator", ("1024",), faulty, "velocity-verlet"
     )
     assert verdicts(record) == {"velocity-verlet": ["fail"]}
-    assert record.climbs[0].rungs[0].value == pytest.approx(2 * abs(creep), rel=0.3)
+    assert record.results[0].points[0].value == pytest.approx(2 * abs(creep), rel=0.3)
 
 
-def test_a_rung_that_was_forecast_to_take_too_long_is_not_run_and_not_a_pass(
+def test_a_point_that_was_forecast_to_take_too_long_is_not_run_and_not_a_pass(
     tmp_path: Path,
 ) -> None:
-    record = climbs(
+    record = results(
         tmp_path,
         "many-steps",
         "harmonic oscillator",
@@ -358,6 +358,6 @@ def test_a_rung_that_was_forecast_to_take_too_long_is_not_run_and_not_a_pass(
         longest=0.0,
     )
     assert verdicts(record) == {"velocity-verlet": ["pass", "not run", "not run"]}
-    last = record.climbs[0].rungs[-1]
+    last = record.results[0].points[-1]
     assert last.forecast is not None
     assert last.forecast > 0

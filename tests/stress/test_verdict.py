@@ -4,31 +4,31 @@ import pytest
 
 from refdem.core.finding import Finding, Outcome, Record
 from refdem.errors import UsageError
-from refdem.stress.ladder import Ladder
 from refdem.stress.measures.parameters import Parameters
-from refdem.stress.record import Climb, Rung, Verdict
-from refdem.stress.verdict import climbed, number, ratio, rung_of, words
+from refdem.stress.record import MethodSweep, Point, Verdict
+from refdem.stress.sweep import Sweep
+from refdem.stress.verdict import number, point_of, ratio, summarised, words
 
-RUNGS = ("1", "1e2", "1e4", "1e6")
-BARE = Climb(
+POINTS = ("1", "1e2", "1e4", "1e6")
+BARE = MethodSweep(
     battery="b",
-    ladder="l",
+    sweep="l",
     label="c",
     along="x",
     engine="e",
     version="1",
     method="m",
     is_reference=True,
-    rungs=[],
+    points=[],
 )
 
 
-def ladder(promised: str = "1e4", **more: object) -> Ladder:
-    return Ladder(
+def sweep(promised: str = "1e4", **more: object) -> Sweep:
+    return Sweep(
         name="l",
         case="pendulum",
         along="x",
-        rungs=RUNGS,
+        points=POINTS,
         measure=Parameters(lambda x: {}),
         promised=promised,
         basis="why",
@@ -36,11 +36,11 @@ def ladder(promised: str = "1e4", **more: object) -> Ladder:
     )
 
 
-def climb(*verdicts: Verdict, promised: str = "1e4", **more: object) -> Climb:
-    rungs = [
-        Rung(rung=rung, verdict=verdict) for rung, verdict in zip(RUNGS, verdicts, strict=True)
+def result(*verdicts: Verdict, promised: str = "1e4", **more: object) -> MethodSweep:
+    points = [
+        Point(point=point, verdict=verdict) for point, verdict in zip(POINTS, verdicts, strict=True)
     ]
-    return climbed(BARE, ladder(promised, **more), rungs, is_required=True)
+    return summarised(BARE, sweep(promised, **more), points, is_required=True)
 
 
 def judged(*found: tuple[Outcome, float | None]) -> Record:
@@ -61,47 +61,47 @@ def judged(*found: tuple[Outcome, float | None]) -> Record:
     )
 
 
-def test_a_method_holds_to_the_last_rung_before_the_first_that_breaks() -> None:
-    found = climb("pass", "pass", "fail", "pass")
+def test_a_method_holds_to_the_last_point_before_the_first_that_breaks() -> None:
+    found = result("pass", "pass", "fail", "pass")
     assert (found.holds, found.breaks, found.kept) == (100.0, 1e4, False)
     assert words(found) == ("100", "fail at 1e4, but holds at 1 beyond")
 
 
 def test_what_could_not_be_proved_is_no_breaking_point_and_no_pass() -> None:
-    found = climb("pass", "pass", "undecided", "undecided")
+    found = result("pass", "pass", "undecided", "undecided")
     assert (found.holds, found.breaks, found.kept) == (100.0, None, False)
 
 
 @pytest.mark.parametrize("verdict", ["not run", "unsupported"])
-def test_a_promise_whose_rungs_were_left_out_is_neither_kept_nor_broken(verdict: Verdict) -> None:
-    assert climb("pass", "pass", verdict, verdict).kept is None
+def test_a_promise_whose_points_were_left_out_is_neither_kept_nor_broken(verdict: Verdict) -> None:
+    assert result("pass", "pass", verdict, verdict).kept is None
 
 
 def test_a_promise_ends_where_it_says() -> None:
-    assert climb("pass", "pass", "pass", "fail").kept is True
+    assert result("pass", "pass", "pass", "fail").kept is True
     assert (
-        climb("pass", "pass", "fail", "fail", exempt={"m": ("1e2", "it is for slow ones")}).kept
+        result("pass", "pass", "fail", "fail", exempt={"m": ("1e2", "it is for slow ones")}).kept
         is True
     )
     assert (
-        climb("pass", "fail", "fail", "fail", exempt={"m": ("1e2", "it is for slow ones")}).kept
+        result("pass", "fail", "fail", "fail", exempt={"m": ("1e2", "it is for slow ones")}).kept
         is False
     )
 
 
 def test_an_engine_that_promised_nothing_is_held_to_nothing() -> None:
-    rungs = [Rung(rung=rung, verdict="fail") for rung in RUNGS]
-    assert climbed(BARE, ladder(), rungs, is_required=False).kept is None
+    points = [Point(point=point, verdict="fail") for point in POINTS]
+    assert summarised(BARE, sweep(), points, is_required=False).kept is None
 
 
-def test_a_promise_without_a_reason_or_beyond_the_ladder_is_refused() -> None:
+def test_a_promise_without_a_reason_or_beyond_the_sweep_is_refused() -> None:
     for promised, basis in (("1e4", ""), ("1e5", "why")):
-        with pytest.raises(UsageError, match="expected one of its rungs, with a basis"):
-            Ladder(
+        with pytest.raises(UsageError, match="expected one of its points, with a basis"):
+            Sweep(
                 name="l",
                 case="pendulum",
                 along="x",
-                rungs=RUNGS,
+                points=POINTS,
                 measure=Parameters(lambda x: {}),
                 promised=promised,
                 basis=basis,
@@ -120,23 +120,23 @@ def test_a_promise_without_a_reason_or_beyond_the_ladder_is_refused() -> None:
         ([("unsupported", None)], "unsupported", None),
     ],
 )
-def test_a_rung_is_as_bad_as_its_worst_finding(
+def test_a_point_is_as_bad_as_its_worst_finding(
     found: list[tuple[Outcome, float | None]], verdict: Verdict, value: float | None
 ) -> None:
-    rung = rung_of("1", judged(*found))
-    assert rung.verdict == verdict
-    assert value is None or rung.value == value
+    point = point_of("1", judged(*found))
+    assert point.verdict == verdict
+    assert value is None or point.value == value
 
 
 def test_a_value_over_a_bound_of_zero_is_drawn_above_it_unless_it_is_zero() -> None:
-    assert ratio(Rung(rung="1", verdict="fail", value=1.0, bound=0.0)) == float("inf")
-    assert ratio(Rung(rung="1", verdict="pass", value=0.0, bound=0.0)) == 0
-    assert ratio(Rung(rung="1", verdict="error")) is None
+    assert ratio(Point(point="1", verdict="fail", value=1.0, bound=0.0)) == float("inf")
+    assert ratio(Point(point="1", verdict="pass", value=0.0, bound=0.0)) == 0
+    assert ratio(Point(point="1", verdict="error")) is None
 
 
 @pytest.mark.parametrize(
     ("value", "shown"),
     [(0.0, "0"), (0.99, "0.99"), (2.0, "2"), (1e8, "1e8"), (2.0**27, "1.3e8"), (1e-12, "1e-12")],
 )
-def test_rungs_have_two_digits(value: float, shown: str) -> None:
+def test_points_have_two_digits(value: float, shown: str) -> None:
     assert number(value) == shown

@@ -1,10 +1,10 @@
 """Lengths so small that numbers become denormal, where binary64 has ever fewer digits."""
 
 from refdem.core.symmetry import Symmetry
-from refdem.stress.ladder import DAMPED_SPHERES, ELASTIC_SPHERES, Battery, Ladder, scene_words
 from refdem.stress.measures.frame import Frame
+from refdem.stress.sweep import DAMPED_SPHERES, ELASTIC_SPHERES, Battery, Sweep, scene_words
 
-RUNGS = ("1e50", "1e100", "1e150", "1e200", "1e250", "1e290", "1e300", "1e305", "1e307", "1e308")
+POINTS = ("1e50", "1e100", "1e150", "1e200", "1e250", "1e290", "1e300", "1e305", "1e307", "1e308")
 BASIS = "squares of lengths stay above the smallest normal number, 2e-308"
 
 BATTERY = Battery(
@@ -14,12 +14,12 @@ BATTERY = Battery(
         "How small may a scene be? Squares of lengths underflow first, then the"
         " lengths themselves lose digits."
     ),
-    ladders=tuple(
-        Ladder(
+    sweeps=tuple(
+        Sweep(
             name=f"tiny: {scene_words(case)}",
             case=case,
             along="1 / unit of length",
-            rungs=RUNGS,
+            points=POINTS,
             is_general=True,
             promised=promised,
             basis=BASIS,

@@ -7,8 +7,8 @@ import numpy as np
 from refdem.core.case import Instance
 from refdem.core.symmetry import Symmetry
 from refdem.core.variant import Change
-from refdem.stress.ladder import ELASTIC_SPHERES, Battery, Ladder, scene_words
 from refdem.stress.measures.frame import Frame
+from refdem.stress.sweep import ELASTIC_SPHERES, Battery, Sweep, scene_words
 
 FAR = ("1", "1e2", "1e4", "1e6", "1e8", "1e10", "1e12", "1e14", "1e16")
 ANGLES = ("1e-12", "1e-9", "1e-6", "1e-3", "1/10", "1", "2", "3")
@@ -125,8 +125,8 @@ FRAMES: tuple[
         units(1, 0, 0),
     ),
 )
-"""Name, rung in words, symmetry, rungs, promised rung, its basis, and the transformation of a
-rung.
+"""Name, point in words, symmetry, points, promised point, its basis, and the transformation of a
+point.
 """
 RUBBING_SPHERES = "two-spheres[damping=1 friction=1/4 angle=1/2]"
 CASES = {
@@ -157,15 +157,15 @@ EXEMPT = {
 """What a frame promises less of a method, with the reason."""
 
 
-def _ladders() -> Iterator[Ladder]:
-    """A ladder for every frame on every one of its cases."""
-    for name, along, change, rungs, promised, basis, show in FRAMES:
+def _sweeps() -> Iterator[Sweep]:
+    """A sweep for every frame on every one of its cases."""
+    for name, along, change, points, promised, basis, show in FRAMES:
         for case in CASES[name]:
-            yield Ladder(
+            yield Sweep(
                 name=f"{name}: {scene_words(case)}",
                 case=case,
                 along=along,
-                rungs=rungs,
+                points=points,
                 measure=Frame(change, show),
                 is_general=True,
                 costly=name == "far away",
@@ -182,5 +182,5 @@ BATTERY = Battery(
         "The laws of mechanics are the same there, so only round-off of larger"
         " numbers may differ. How far does that hold?"
     ),
-    ladders=tuple(_ladders()),
+    sweeps=tuple(_sweeps()),
 )

@@ -2,8 +2,8 @@
 
 from fractions import Fraction
 
-from refdem.stress.ladder import Battery, Ladder
-from refdem.stress.measures.parameters import Parameters, parameter_ladder
+from refdem.stress.measures.parameters import Parameters, parameter_sweep
+from refdem.stress.sweep import Battery, Sweep
 
 LESS = ("1", "1e-1", "1e-3", "1e-6", "1e-12", "0")
 MORE = ("1", "1e1", "1e3", "1e6", "1e12")
@@ -28,98 +28,98 @@ BATTERY = Battery(
     id="friction",
     title="Friction from 0 to huge, vanishing tangential speed",
     question=("How small and how large may friction be, and how small the speed that it opposes?"),
-    ladders=(
-        parameter_ladder(
+    sweeps=(
+        parameter_sweep(
             name="less and less on an oscillator",
             case="coulomb-oscillator",
             along="f/(k x0)",
-            rungs=LESS,
+            points=LESS,
             promised="1e-12",
             basis=STOPS,
             given=lambda x: {"friction_force": f"{x / 8}"},
         ),
-        parameter_ladder(
+        parameter_sweep(
             name="more and more on an oscillator",
             case="coulomb-oscillator",
             along="f/(k x0)",
-            rungs=MORE,
+            points=MORE,
             promised="1e12",
             basis=HOLDS,
             given=lambda x: {"friction_force": f"{x}"},
         ),
-        parameter_ladder(
+        parameter_sweep(
             name="more and more on a slope",
             case="block-on-slope",
             along="mu",
-            rungs=MORE,
+            points=MORE,
             promised="1e12",
             basis=HOLDS,
             given=lambda x: {"friction": f"{x}"},
         ),
-        parameter_ladder(
+        parameter_sweep(
             name="less and less on a slope",
             case="block-on-slope",
             along="mu",
-            rungs=LESS,
+            points=LESS,
             promised="0",
             basis=STOPS,
             given=lambda x: {"friction": f"{x / 2}"},
         ),
-        parameter_ladder(
+        parameter_sweep(
             name="more and more on what rolls",
             case="rolling",
             along="mu",
-            rungs=MORE,
+            points=MORE,
             promised="1e12",
             basis=ROLLS,
             given=lambda x: {"friction": f"{x}"},
             samples=8,
         ),
-        parameter_ladder(
+        parameter_sweep(
             name="less and less on what rolls",
             case="rolling",
             along="mu",
-            rungs=LESS,
+            points=LESS,
             promised="0",
             basis=ROLLS,
             given=lambda x: {"friction": f"{x / 2}"},
             samples=8,
         ),
-        parameter_ladder(
+        parameter_sweep(
             name="nearer and nearer to the slope on which it just rolls",
             case="rolling",
             along="1 - tan a/(mu (1 + m R^2/J))",
-            rungs=SLOWER,
+            points=SLOWER,
             promised="0",
             basis=ROLLS,
             given=lambda x: {"slope": f"{Fraction(7, 8) * (1 - x / 2)}", "speed": "0"},
             samples=8,
         ),
-        parameter_ladder(
+        parameter_sweep(
             name="less and less slip of what rolls",
             case="rolling",
             along="1 - R omega/v",
-            rungs=SLOWER,
+            points=SLOWER,
             promised="0",
             basis=ROLLS,
             given=lambda x: {"spin": f"{-8 * (1 - x)}"},
             samples=8,
         ),
-        parameter_ladder(
+        parameter_sweep(
             name="less and less between spheres",
             case="two-spheres",
             along="mu",
-            rungs=LESS,
+            points=LESS,
             promised="0",
             basis=RUBS,
             given=lambda x: {"damping": "1", "friction": f"{x}", "angle": "1/2"},
             samples=8,
         ),
-        Ladder(
+        Sweep(
             name="more and more between spheres",
             case="two-spheres",
             along="mu",
-            rungs=MORE,
+            points=MORE,
             promised="1e12",
             basis=GRIPS,
             exempt={"rk4": ("1e3", BEYOND)},
@@ -133,11 +133,11 @@ BATTERY = Battery(
                 samples=8,
             ),
         ),
-        parameter_ladder(
+        parameter_sweep(
             name="less and less tangential speed",
             case="two-spheres",
             along="angle [rad]",
-            rungs=SLOWER,
+            points=SLOWER,
             promised="0",
             basis=RUBS,
             given=lambda x: {

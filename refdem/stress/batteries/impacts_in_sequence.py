@@ -1,10 +1,10 @@
-"""Impacts in sequence: a cradle and a bouncing ball, harder rung by rung."""
+"""Impacts in sequence: a cradle and a bouncing ball, harder point by point."""
 
 from fractions import Fraction
 from functools import partial
 
-from refdem.stress.ladder import Battery
-from refdem.stress.measures.parameters import parameter_ladder
+from refdem.stress.measures.parameters import parameter_sweep
+from refdem.stress.sweep import Battery
 
 BASIS = (
     "flights and impulses are products and quotients that are each rounded once, and errors grow"
@@ -12,7 +12,7 @@ BASIS = (
 )
 SAMPLES = 32
 """Samples of a run, of which two lie in most flights of the longest sequences."""
-ladder = partial(parameter_ladder, basis=BASIS, samples=SAMPLES)
+sweep = partial(parameter_sweep, basis=BASIS, samples=SAMPLES)
 
 
 def light_between_heavy(ratio: str) -> str:
@@ -24,76 +24,76 @@ BATTERY = Battery(
     id="impacts-in-sequence",
     title="Impacts in sequence",
     question="How many impacts, and how unequal ones, may follow each other?",
-    ladders=(
-        ladder(
+    sweeps=(
+        sweep(
             "cradle that loses more and more",
             case="newtons-cradle[balls=3]",
             along="restitution",
-            rungs=("1", "3/4", "1/2", "1/4"),
+            points=("1", "3/4", "1/2", "1/4"),
             given=lambda x: {"restitution": f"{x}"},
             promised="1/4",
         ),
-        ladder(
+        sweep(
             "lighter and lighter ball between heavy ones",
             case="newtons-cradle[balls=3]",
             along="m1/m2",
-            rungs=("1", "1e1", "1e2", "1e3"),
+            points=("1", "1e1", "1e2", "1e3"),
             given=lambda x: {"masses": light_between_heavy(f"{1 / x}")},
             promised="1e3",
         ),
-        ladder(
+        sweep(
             "cradle with a smaller and smaller gap",
             case="newtons-cradle[balls=3]",
             along="1/gap [1/m]",
-            rungs=("4", "1e1", "1e2", "1e3", "1e4"),
+            points=("4", "1e1", "1e2", "1e3", "1e4"),
             given=lambda x: {"gaps": f"1/4,{1 / x},1/4,1/4,1/4,1/4"},
             promised="1e4",
         ),
-        ladder(
+        sweep(
             "more and more balls in a line",
             case="newtons-cradle",
             along="balls",
-            rungs=("2", "3", "4", "5", "6", "7"),
+            points=("2", "3", "4", "5", "6", "7"),
             given=lambda x: {"balls": f"{x}"},
             promised="7",
         ),
-        ladder(
+        sweep(
             "ball that bounces less and less",
             case="bouncing-ball[bounces=3]",
             along="restitution",
-            rungs=("1", "9/10", "1/2", "1/4", "1/10", "1/100"),
+            points=("1", "9/10", "1/2", "1/4", "1/10", "1/100"),
             given=lambda x: {"restitution": f"{x}"},
             promised="1/100",
         ),
-        ladder(
+        sweep(
             "ball that bounces more and more often",
             case="bouncing-ball",
             along="bounces",
-            rungs=("1", "2", "4", "8", "16", "32"),
+            points=("1", "2", "4", "8", "16", "32"),
             given=lambda x: {"bounces": f"{x}"},
             promised="32",
         ),
-        ladder(
+        sweep(
             "ball from higher and higher up",
             case="bouncing-ball[bounces=3]",
             along="height [m]",
-            rungs=("1", "1e1", "1e2", "1e4", "1e6"),
+            points=("1", "1e1", "1e2", "1e4", "1e6"),
             given=lambda x: {"height": f"{x}"},
             promised="1e6",
         ),
-        ladder(
+        sweep(
             "smaller and smaller ball from lower and lower down",
             case="bouncing-ball[bounces=3]",
             along="1/height [1/m]",
-            rungs=("1", "1e1", "1e2", "1e4", "1e6"),
+            points=("1", "1e1", "1e2", "1e4", "1e6"),
             given=lambda x: {"height": f"{1 / x}", "radius": f"{Fraction(1, 4) / x}"},
             promised="1e6",
         ),
-        ladder(
+        sweep(
             "bounces with more and more friction",
             case="bouncing-ball[bounces=3]",
             along="mu",
-            rungs=("0", "1e-3", "1/16", "1/4", "1", "1e2", "1e6"),
+            points=("0", "1e-3", "1/16", "1/4", "1", "1e2", "1e6"),
             given=lambda x: {"friction": f"{x}", "velocity": "3,1", "spin": "2"},
             promised="1e6",
         ),

@@ -4,17 +4,17 @@ needles.
 
 from functools import partial
 
-from refdem.stress.ladder import Battery
-from refdem.stress.measures.parameters import parameter_ladder
+from refdem.stress.measures.parameters import parameter_sweep
+from refdem.stress.sweep import Battery
 
-RUNGS = tuple(f"1/{2**k}" for k in (3, 7, 10, 13, 20, 27, 33, 40, 46, 50))
+POINTS = tuple(f"1/{2**k}" for k in (3, 7, 10, 13, 20, 27, 33, 40, 46, 50))
 """Powers of two: moments that are rounded would be those of another body, and a needle shows it."""
 BASIS = (
     "differences of moments are exact in binary64 (Sterbenz 1974), so only"
     " the rounding of the moments counts, and S measures it"
 )
-ladder = partial(
-    parameter_ladder, rungs=RUNGS, promised=RUNGS[-3], case="free-rigid-body", basis=BASIS
+sweep = partial(
+    parameter_sweep, points=POINTS, promised=POINTS[-3], case="free-rigid-body", basis=BASIS
 )
 
 BATTERY = Battery(
@@ -24,23 +24,23 @@ BATTERY = Battery(
         "Which bodies can be integrated? Nearly equal moments give small"
         " denominators, flat bodies and needles small numerators."
     ),
-    ladders=(
-        ladder(
+    sweeps=(
+        sweep(
             "two moments nearly equal",
             along="J2/J1 - 1",
             given=lambda x: {"inertia": f"1,{1 + x},3/2"},
         ),
-        ladder(
+        sweep(
             "the two large moments nearly equal",
             along="J3/J2 - 1",
             given=lambda x: {"inertia": f"1,2,{2 * (1 + x)}"},
         ),
-        ladder(
+        sweep(
             "all moments nearly equal",
             along="J2/J1 - 1",
             given=lambda x: {"inertia": f"1,{1 + x},{1 + 2 * x}"},
         ),
-        ladder("flat", along="(J1 + J2 - J3)/J1", given=lambda x: {"inertia": f"1,2,{3 - x}"}),
-        ladder("needle", along="J1/J3", given=lambda x: {"inertia": f"{x},1,{1 + x / 2}"}),
+        sweep("flat", along="(J1 + J2 - J3)/J1", given=lambda x: {"inertia": f"1,2,{3 - x}"}),
+        sweep("needle", along="J1/J3", given=lambda x: {"inertia": f"{x},1,{1 + x / 2}"}),
     ),
 )

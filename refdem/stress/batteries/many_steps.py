@@ -1,9 +1,9 @@
 """As many steps as there is time for: nothing may creep."""
 
-from refdem.stress.ladder import Battery, Ladder
 from refdem.stress.measures.many_steps import ManySteps
+from refdem.stress.sweep import Battery, Sweep
 
-RUNGS = (*(str(256 * 4**k) for k in range(1, 9)), str(2**27))
+POINTS = (*(str(256 * 4**k) for k in range(1, 9)), str(2**27))
 BASIS = (
     "a symplectic step conserves a quadratic form, and random round-off grows"
     " as the square root of the number of steps"
@@ -14,12 +14,12 @@ BATTERY = Battery(
     id="many-steps",
     title="Many steps",
     question="For how many steps does a run conserve what the map of its method conserves?",
-    ladders=(
-        Ladder(
+    sweeps=(
+        Sweep(
             name="harmonic oscillator",
             case="harmonic-oscillator",
             along="steps",
-            rungs=RUNGS,
+            points=POINTS,
             measure=ManySteps(),
             promised=str(2**20),
             basis=BASIS,

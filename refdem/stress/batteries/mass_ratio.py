@@ -4,48 +4,48 @@ numbers.
 
 from functools import partial
 
-from refdem.stress.ladder import TWELVE_DECADES, Battery
-from refdem.stress.measures.parameters import parameter_ladder
+from refdem.stress.measures.parameters import parameter_sweep
+from refdem.stress.sweep import TWELVE_DECADES, Battery
 
 BASIS = (
     "both masses enter by their sum and their product, which are rounded"
     " once; the promised range is that of grains in a drum, 1e6"
 )
 
-ladder = partial(parameter_ladder, rungs=TWELVE_DECADES, promised="1e6", basis=BASIS)
+sweep = partial(parameter_sweep, points=TWELVE_DECADES, promised="1e6", basis=BASIS)
 
 BATTERY = Battery(
     id="mass-ratio",
     title="Mass ratio",
     question="How different may masses be?",
-    ladders=(
-        ladder(
+    sweeps=(
+        sweep(
             "second sphere heavier",
             case="two-spheres",
             along="m2/m1",
             given=lambda x: {"masses": f"1,{x}", "damping": "1"},
             samples=8,
         ),
-        ladder(
+        sweep(
             "first sphere heavier",
             case="two-spheres",
             along="m1/m2",
             given=lambda x: {"masses": f"{x},1", "damping": "1"},
             samples=8,
         ),
-        ladder(
+        sweep(
             "one point of a cluster heavier",
             case="rigid-cluster",
             along="m4/m1",
             given=lambda x: {"masses": f"1,2,1,{x}"},
         ),
-        ladder(
+        sweep(
             "one point of a cluster lighter",
             case="rigid-cluster",
             along="m1/m4",
             given=lambda x: {"masses": f"1,2,1,{1 / x}"},
         ),
-        ladder(
+        sweep(
             "light weight on a heavy pendulum's string",
             case="pendulum-wheel-mass",
             along="m/M",

@@ -1,7 +1,7 @@
 """Collisions that lose nothing, and such that lose all."""
 
-from refdem.stress.ladder import Battery
-from refdem.stress.measures.parameters import parameter_ladder
+from refdem.stress.measures.parameters import parameter_sweep
+from refdem.stress.sweep import Battery
 
 LESS = ("1", "0.9999", "0.9", "0.5", "0.2", "0.14")
 NEARER = ("1e-1", "1e-3", "1e-6", "1e-12", "0")
@@ -15,42 +15,42 @@ BATTERY = Battery(
     id="restitution",
     title="Restitution from 1 to 0",
     question="How little and how much energy may a collision lose?",
-    ladders=(
-        parameter_ladder(
+    sweeps=(
+        parameter_sweep(
             name="losing more and more, force that does not pull",
             case="impact-benchmarks",
             along="restitution",
-            rungs=LESS,
+            points=LESS,
             promised="0.2",
             basis=BASIS,
             given=lambda x: {"member": "co-4", "restitution": f"{x}"},
             samples=8,
         ),
-        parameter_ladder(
+        parameter_sweep(
             name="losing less and less",
             case="two-spheres",
             along="damping [kg/s]",
-            rungs=NEARER,
+            points=NEARER,
             promised="0",
             basis=BASIS,
             given=lambda x: {"damping": f"{x}"},
             samples=8,
         ),
-        parameter_ladder(
+        parameter_sweep(
             name="losing nearly all, to the end of the overlap",
             case="two-spheres",
             along="1 - damping / critical",
-            rungs=CRITICAL,
+            points=CRITICAL,
             promised="1e-4",
             basis=BASIS,
             given=lambda x: {"damping": f"{16 * (1 - x)}"},
             samples=8,
         ),
-        parameter_ladder(
+        parameter_sweep(
             name="through critical damping and beyond, force that does not pull",
             case="two-spheres",
             along="damping [kg/s]",
-            rungs=HARDER,
+            points=HARDER,
             given=lambda x: {"damping": f"{x}", "cutoff": "zero_force"},
             samples=8,
         ),

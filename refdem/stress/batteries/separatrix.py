@@ -2,23 +2,23 @@
 pendulum.
 """
 
-from refdem.stress.ladder import Battery, Ladder
 from refdem.stress.measures.parameters import Parameters
+from refdem.stress.sweep import Battery, Sweep
 
-RUNGS = (*(f"1e-{k}" for k in range(1, 13)), "1e-14", "1e-16", "1e-20")
+POINTS = (*(f"1e-{k}" for k in range(1, 13)), "1e-14", "1e-16", "1e-20")
 BASIS = (
     "the distance from the separatrix is a separate number in closed forms,"
     " and S gives the effect of its rounding"
 )
 
 
-def ladder(name: str, case: str, along: str, measure: Parameters) -> Ladder:
-    """A ladder of starts, promised to 1e-12."""
-    return Ladder(
+def sweep(name: str, case: str, along: str, measure: Parameters) -> Sweep:
+    """A sweep of starts, promised to 1e-12."""
+    return Sweep(
         name=name,
         case=case,
         along=along,
-        rungs=RUNGS,
+        points=POINTS,
         measure=measure,
         promised="1e-12",
         basis=BASIS,
@@ -29,32 +29,32 @@ BATTERY = Battery(
     id="separatrix",
     title="Near the separatrix and the unstable axis",
     question="How close to the separatrix may a motion start?",
-    ladders=(
-        ladder(
+    sweeps=(
+        sweep(
             "off axis 2, towards axis 1",
             "intermediate-axis",
             "offset / omega",
             Parameters(lambda x: {"offset": f"{x}"}),
         ),
-        ladder(
+        sweep(
             "off axis 2, towards axis 3",
             "intermediate-axis",
             "offset / omega",
             Parameters(lambda x: {"offset": f"{x}", "direction": "3"}),
         ),
-        ladder(
+        sweep(
             "pendulum that just does not turn over",
             "pendulum",
             "1 - k",
             Parameters(lambda x: {"gravity": "1", "theta0": "0", "thetadot0": f"{2 - 2 * x}"}),
         ),
-        ladder(
+        sweep(
             "pendulum that just turns over",
             "pendulum",
             "k - 1",
             Parameters(lambda x: {"gravity": "1", "theta0": "0", "thetadot0": f"{2 + 2 * x}"}),
         ),
-        ladder(
+        sweep(
             "pendulum let go near the top",
             "pendulum-equilibria",
             "angle [rad]",

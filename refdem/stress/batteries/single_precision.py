@@ -3,10 +3,10 @@ to the end.
 """
 
 from refdem.core.symmetry import Symmetry
-from refdem.stress.ladder import DAMPED_SPHERES, ELASTIC_SPHERES, Battery, Ladder, scene_words
 from refdem.stress.measures.frame import Frame
+from refdem.stress.sweep import DAMPED_SPHERES, ELASTIC_SPHERES, Battery, Sweep, scene_words
 
-RUNGS = tuple(f"1e-{k}" for k in range(2, 16))
+POINTS = tuple(f"1e-{k}" for k in range(2, 16))
 BASIS = (
     "a difference of x is resolved to a tenth while round-off, 2 c u sqrt(n)"
     " S, is below a tenth of it"
@@ -19,12 +19,12 @@ BATTERY = Battery(
         "How small a difference between two starts is resolved? A code that"
         " passes through single precision ends at 1e-6."
     ),
-    ladders=tuple(
-        Ladder(
+    sweeps=tuple(
+        Sweep(
             name=f"told apart: {scene_words(case)}",
             case=case,
             along="difference of the starts",
-            rungs=RUNGS,
+            points=POINTS,
             is_general=True,
             promised=promised,
             basis=BASIS,

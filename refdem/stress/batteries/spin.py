@@ -2,20 +2,20 @@
 
 from functools import partial
 
-from refdem.stress.ladder import Battery
-from refdem.stress.measures.parameters import parameter_ladder
+from refdem.stress.measures.parameters import parameter_sweep
+from refdem.stress.sweep import Battery
 
-RUNGS = ("1", "1e1", "1e2", "1e3", "1e4", "1e5", "1e6")
+POINTS = ("1", "1e1", "1e2", "1e3", "1e4", "1e5", "1e6")
 BASIS = "a dentist's drill rotates at 1e5 rad/s; the phase is known to u times the total angle"
 LONG_STEPS = "an explicit method is unstable at steps as long as there is time for"
-ladder = partial(parameter_ladder, along="spin [rad/s]", rungs=RUNGS, promised="1e5", basis=BASIS)
+sweep = partial(parameter_sweep, along="spin [rad/s]", points=POINTS, promised="1e5", basis=BASIS)
 
 BATTERY = Battery(
     id="spin",
     title="Spin",
     question="How fast may a body rotate?",
-    ladders=(
-        ladder(
+    sweeps=(
+        sweep(
             "tumbling for a second",
             case="free-rigid-body",
             given=lambda x: {"omega_body": f"{x / 2},{x},{x / 3}", "duration": "1"},
@@ -25,13 +25,13 @@ BATTERY = Battery(
                 "gear-6-free-body": ("1e3", LONG_STEPS),
             },
         ),
-        ladder(
+        sweep(
             "top for a fifth of a second",
             case="heavy-top",
             given=lambda x: {"spin": f"{x}", "duration": "1/5"},
             needs_truth=False,
         ),
-        ladder(
+        sweep(
             "flying body for a second",
             case="newtons-first-law",
             given=lambda x: {"spin": f"{x}", "duration": "1"},
@@ -41,7 +41,7 @@ BATTERY = Battery(
                 "gear-6-free-body": ("1e3", LONG_STEPS),
             },
         ),
-        ladder(
+        sweep(
             "spheres that rub",
             case="two-spheres",
             given=lambda x: {"damping": "1", "friction": "1/4", "spins": f"0,0,{x},0,0,{x / 2}"},

@@ -1,9 +1,9 @@
 """Steps up to and past the limit of stability, 2/omega for Verlet's method."""
 
-from refdem.stress.ladder import Battery, Ladder
 from refdem.stress.measures.step_limit import StepLimit
+from refdem.stress.sweep import Battery, Sweep
 
-RUNGS = (
+POINTS = (
     "1/8",
     "1/4",
     "1/2",
@@ -38,12 +38,12 @@ BATTERY = Battery(
         "How large may the step be before the run grows without bound? 1000 steps"
         " must stay within 100 times the size of the motion."
     ),
-    ladders=(
-        Ladder(
+    sweeps=(
+        Sweep(
             name="step: harmonic-oscillator",
             case="harmonic-oscillator",
             along=ALONG,
-            rungs=RUNGS,
+            points=POINTS,
             measure=StepLimit(),
             is_general=True,
             promised="99/100",
@@ -54,27 +54,27 @@ BATTERY = Battery(
                 "gear-6": ("1/4", CORRECTED_ONCE),
             },
         ),
-        Ladder(
+        Sweep(
             name="step: pendulum",
             case="pendulum",
             along=ALONG,
-            rungs=RUNGS,
+            points=POINTS,
             measure=StepLimit(),
             is_general=True,
         ),
-        Ladder(
+        Sweep(
             name="step: two-body-orbit",
             case="two-body-orbit",
             along=ALONG,
-            rungs=RUNGS,
+            points=POINTS,
             measure=StepLimit(),
             is_general=True,
         ),
-        Ladder(
+        Sweep(
             name="step: free-rigid-body",
             case="free-rigid-body",
             along=ALONG,
-            rungs=RUNGS,
+            points=POINTS,
             measure=StepLimit(),
             is_general=True,
         ),

@@ -1,7 +1,7 @@
 """Stiffness over twelve decades: no scale of force, length or time is built in."""
 
-from refdem.stress.ladder import TWELVE_DECADES, Battery
-from refdem.stress.measures.parameters import parameter_ladder
+from refdem.stress.measures.parameters import parameter_sweep
+from refdem.stress.sweep import TWELVE_DECADES, Battery
 
 HARDER = TWELVE_DECADES[2:]
 SOFTER = ("1", "1e-2", "1e-4", "1e-6", "1e-8", "1e-10", "1e-12")
@@ -12,52 +12,52 @@ BATTERY = Battery(
     id="stiffness",
     title="Stiffness over twelve decades",
     question="How stiff and how soft may a spring or a contact be?",
-    ladders=(
-        parameter_ladder(
+    sweeps=(
+        parameter_sweep(
             name="harder spheres",
             case="two-spheres",
             along="stiffness [N/m]",
-            rungs=HARDER,
+            points=HARDER,
             promised="1e12",
             basis=BASIS,
             given=lambda x: {"stiffness": f"{x}", "damping": "1"},
             samples=8,
         ),
-        parameter_ladder(
+        parameter_sweep(
             name="harder Hertzian spheres",
             case="hertz-spheres",
             along="stiffness [N/m^1.5]",
-            rungs=HARDER,
+            points=HARDER,
             promised="1e12",
             basis=BASIS,
             given=lambda x: {"stiffness": f"{x}"},
             samples=8,
         ),
-        parameter_ladder(
+        parameter_sweep(
             name="harder springs",
             case="harmonic-oscillator",
             along="stiffness [N/m]",
-            rungs=HARDER,
+            points=HARDER,
             promised="1e12",
             basis=BASIS,
             given=lambda x: {"stiffness": f"{x}"},
             samples=8,
         ),
-        parameter_ladder(
+        parameter_sweep(
             name="softer springs",
             case="harmonic-oscillator",
             along="stiffness [N/m]",
-            rungs=SOFTER,
+            points=SOFTER,
             promised="1e-12",
             basis=BASIS,
             given=lambda x: {"stiffness": f"{x}"},
             samples=8,
         ),
-        parameter_ladder(
+        parameter_sweep(
             name="fast and slow together",
             case="viscous-oscillator",
             along="damping rate / frequency",
-            rungs=STIFF,
+            points=STIFF,
             promised="1e8",
             basis="both rates have closed forms, the slow one as omega^2 over the fast one",
             given=lambda x: {"delta": f"{x}", "duration": "4"},

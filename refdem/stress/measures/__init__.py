@@ -1,3 +1,3 @@
-"""Measures: what a rung is and how it is judged (other parameters, another frame, another step,
+"""Measures: what a point is and how it is judged (other parameters, another frame, another step,
 more steps).
 """

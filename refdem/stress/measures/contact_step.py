@@ -27,7 +27,7 @@ at its end.
 
 @dataclass(frozen=True)
 class ContactStep(FixedStep):
-    """The rung is the step as a part of the time pi/omega = pi tau that the contact lasts."""
+    """The point is the step as a part of the time pi/omega = pi tau that the contact lasts."""
 
     def motion(self, instance: Instance, x: Fraction) -> Motion:
         """The impact from its first touch until well after it, a sample a step."""
@@ -55,7 +55,7 @@ class GivesBack(Check):
         return None
 
     def needs(self, subject: Subject) -> tuple[Variant, ...]:
-        """The run with the step of the rung."""
+        """The run with the step of the point."""
         return (subject.finest,)
 
     def judge(self, subject: Subject, runs: Mapping[Variant, CompletedRun]) -> list[Finding]:

@@ -1,4 +1,4 @@
-"""Base class of measures whose rung sets the fixed step of a method: every step is a sample."""
+"""Base class of measures whose point sets the fixed step of a method: every step is a sample."""
 
 from abc import abstractmethod
 from collections.abc import Mapping
@@ -15,20 +15,20 @@ from refdem.stress.measures.measure import Measure
 
 @dataclass(frozen=True)
 class FixedStep(Measure):
-    """The case stays as given; the step is the sample interval of the motion of the rung."""
+    """The case stays as given; the step is the sample interval of the motion of the point."""
 
     needs_truth: bool = False
 
     @abstractmethod
     def motion(self, instance: Instance, x: Fraction) -> Motion:
-        """The motion of rung x, whose sample interval is the step [s]."""
+        """The motion of point x, whose sample interval is the step [s]."""
 
     def instance(self, case: Canonical, parameters: Mapping[str, str], x: Fraction) -> Instance:
-        """The case as given: the rung changes only the step."""
+        """The case as given: the point changes only the step."""
         return case.at(**parameters)
 
     def levels(self, instance: Instance, method: Method, x: Fraction) -> tuple[float, ...]:
-        """The one level, the step [s] of the rung."""
+        """The one level, the step [s] of the point."""
         return (self.motion(instance, x).interval,)
 
     def unsupported(

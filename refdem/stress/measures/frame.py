@@ -28,7 +28,7 @@ from refdem.stress.measures.measure import LEVELS, MOST_STEPS, Measure
 
 Array = NDArray[np.float64]
 Show = Callable[[Instance, float], Symmetry]
-"""The transformation of a rung x, for an instance of a case."""
+"""The transformation of a point x, for an instance of a case."""
 TINY = 2.0**-1074
 """The smallest positive number in binary64; numbers below 2^-1022 are rounded to multiples of
 it.
@@ -44,7 +44,7 @@ def _trajectory(runs: Mapping[Variant, CompletedRun], variant: Variant) -> Traje
 
 @dataclass(frozen=True)
 class Frame(Measure):
-    """Another frame: `show` returns the transformation of a rung x, `change` names the symmetry it
+    """Another frame: `show` returns the transformation of a point x, `change` names the symmetry it
     belongs to.
 
     With `told_apart` the transformation differs from the identity by the relative amount x, and a
@@ -56,7 +56,7 @@ class Frame(Measure):
     told_apart: bool = False
 
     def instance(self, case: Canonical, parameters: Mapping[str, str], x: Fraction) -> Instance:
-        """The case with its own parameters, whatever the rung."""
+        """The case with its own parameters, whatever the point."""
         return case.at(**parameters)
 
     def levels(self, instance: Instance, method: Method, x: Fraction) -> tuple[float, ...]:

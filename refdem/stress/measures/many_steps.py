@@ -20,7 +20,7 @@ from refdem.core.variant import Variant
 from refdem.stress.measures.measure import Measure
 
 SAMPLES = 256
-"""Sample intervals of a rung; rungs are multiples of it, so that a sample falls on a step."""
+"""Sample intervals of a point; points are multiples of it, so that a sample falls on a step."""
 PER_TAU = 10
 """Steps per tau (63 a period). Not a power of two: sums of such steps would be exact and hide an
 inaccurate clock.
@@ -31,7 +31,7 @@ ILL = 1e4
 
 @dataclass(frozen=True)
 class ManySteps(Measure):
-    """The rung is the number of steps of a harmonic oscillator, a multiple of SAMPLES; methods
+    """The point is the number of steps of a harmonic oscillator, a multiple of SAMPLES; methods
     without steps run as long.
     """
 
@@ -68,7 +68,7 @@ class Drift(Check):
     synchronous = True
 
     def applies(self, subject: Subject) -> str | None:
-        """Always: the ladders are on oscillators without loss."""
+        """Always: the sweeps are on oscillators without loss."""
         return None
 
     def needs(self, subject: Subject) -> tuple[Variant, ...]:

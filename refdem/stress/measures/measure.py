@@ -1,4 +1,4 @@
-"""Base class of measures: the instance of a rung, the levels it runs at, its requests, and the
+"""Base class of measures: the instance of a point, the levels it runs at, its requests, and the
 checks that judge it.
 """
 
@@ -23,36 +23,36 @@ MOST_STEPS = 1e5
 
 
 class Measure(ABC):
-    """One way to make a scene harder; `x` is the rung as an exact number."""
+    """One way to make a scene harder; `x` is the point as an exact number."""
 
     needs_truth: bool = True
 
     @abstractmethod
     def instance(self, case: Canonical, parameters: Mapping[str, str], x: Fraction) -> Instance:
-        """The instance of a rung; raises UsageError where the case has none."""
+        """The instance of a point; raises UsageError where the case has none."""
 
     def levels(self, instance: Instance, method: Method, x: Fraction) -> tuple[float, ...]:
-        """Levels of a rung, coarse to fine; empty if the method would need too many steps."""
+        """Levels of a point, coarse to fine; empty if the method would need too many steps."""
         return refinement.levels(instance, method, LEVELS, MOST_STEPS)[-1:]
 
     def unsupported(
         self, engine: Engine, method: Method, instance: Instance, x: Fraction
     ) -> str | None:
-        """None if the method supports the rung, else the reason."""
+        """None if the method supports the point, else the reason."""
         return engine.unsupported(instance.problem, method)
 
     def request(self, task: Task, variant: Variant, x: Fraction) -> Request:
-        """The request of a variant of the rung."""
+        """The request of a variant of the point."""
         return plan.request(task, variant)
 
     @abstractmethod
     def checks(self, subject: Subject, x: Fraction) -> tuple[Check, ...]:
-        """The checks that judge the rung."""
+        """The checks that judge the point."""
 
     def task(
         self, engine: Engine, method: Method, instance: Instance, x: Fraction, truth: SampledTruth
     ) -> Task:
-        """The task of a method on a rung: its levels and checks, or the reason why it is
+        """The task of a method on a point: its levels and checks, or the reason why it is
         unsupported.
         """
         unsupported = self.unsupported(engine, method, instance, x)

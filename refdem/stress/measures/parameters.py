@@ -9,16 +9,16 @@ from types import MappingProxyType
 
 from refdem.core.case import Canonical, Instance
 from refdem.core.check import Check, Subject
-from refdem.stress.ladder import Ladder
 from refdem.stress.measures.measure import Measure, plain_checks, with_samples
+from refdem.stress.sweep import Sweep
 
 SAMPLES = 16
-"""Sample intervals of a rung: enough to see a drift, few to store."""
+"""Sample intervals of a point: enough to see a drift, few to store."""
 
 
 @dataclass(frozen=True)
 class Parameters(Measure):
-    """`given` returns the parameters of a rung, each as text; `samples` is the number of sample
+    """`given` returns the parameters of a point, each as text; `samples` is the number of sample
     intervals.
 
     Without truth only conservation laws judge.
@@ -29,7 +29,7 @@ class Parameters(Measure):
     needs_truth: bool = True
 
     def instance(self, case: Canonical, parameters: Mapping[str, str], x: Fraction) -> Instance:
-        """The case at the rung's parameters, which given ones override."""
+        """The case at the point's parameters, which given ones override."""
         return case.at(**with_samples({**self.given(x), **parameters}, self.samples))
 
     def checks(self, subject: Subject, x: Fraction) -> tuple[Check, ...]:
@@ -37,10 +37,10 @@ class Parameters(Measure):
         return plain_checks(subject)
 
 
-def parameter_ladder(
+def parameter_sweep(
     name: str,
     along: str,
-    rungs: tuple[str, ...],
+    points: tuple[str, ...],
     given: Callable[[Fraction], Mapping[str, str]],
     promised: str = "",
     *,
@@ -50,17 +50,17 @@ def parameter_ladder(
     needs_truth: bool = True,
     exempt: Mapping[str, tuple[str, str]] = MappingProxyType({}),
     costly: bool = False,
-) -> Ladder:
-    """A ladder whose rungs are parameters of one case.
+) -> Sweep:
+    """A sweep whose points are parameters of one case.
 
-    `given` and `samples` are those of `Parameters`, all other arguments those of `Ladder`. A
-    battery fixes by `functools.partial` what its ladders have in common.
+    `given` and `samples` are those of `Parameters`, all other arguments those of `Sweep`. A
+    battery fixes by `functools.partial` what its sweeps have in common.
     """
-    return Ladder(
+    return Sweep(
         name=name,
         case=case,
         along=along,
-        rungs=rungs,
+        points=points,
         measure=Parameters(given, samples=samples, needs_truth=needs_truth),
         promised=promised,
         basis=basis,

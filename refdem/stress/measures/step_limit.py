@@ -16,7 +16,7 @@ from refdem.stress.measures.fixed_step import FixedStep
 
 @dataclass(frozen=True)
 class StepLimit(FixedStep):
-    """The rung is the step in units of 2/omega = 2 tau, the stability limit of Verlet's method."""
+    """The point is the step in units of 2/omega = 2 tau, the stability limit of Verlet's method."""
 
     def motion(self, instance: Instance, x: Fraction) -> Motion:
         """Many steps of 2 tau x, a sample a step."""
@@ -39,7 +39,7 @@ class Bounded(Check):
         return None
 
     def needs(self, subject: Subject) -> tuple[Variant, ...]:
-        """The run with the step of the rung."""
+        """The run with the step of the point."""
         return (subject.finest,)
 
     def judge(self, subject: Subject, runs: Mapping[Variant, CompletedRun]) -> list[Finding]:

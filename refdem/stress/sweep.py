@@ -1,4 +1,4 @@
-"""Ladder: one scene that is made harder rung by rung. Battery: the ladders that answer one
+"""Sweep: one scene that is made harder point by point. Battery: the sweeps that answer one
 question.
 """
 
@@ -16,38 +16,38 @@ ELASTIC_SPHERES = "two-spheres[angle=1/2]"
 DAMPED_SPHERES = "two-spheres[damping=1]"
 """A head-on impact with a dashpot."""
 SIX_DECADES = ("1", "1e1", "1e2", "1e4", "1e6")
-"""Rungs of a number that grows from 1 to a million."""
+"""Points of a number that grows from 1 to a million."""
 TWELVE_DECADES = (*SIX_DECADES, "1e9", "1e12")
-"""Rungs of a number that grows from 1 to a million million; binary64 resolves 1 part in 1e16."""
+"""Points of a number that grows from 1 to a million million; binary64 resolves 1 part in 1e16."""
 
 
 def scene_words(case: str) -> str:
-    """The scene of a ladder in words: the id of its case, or what its parameters make of it."""
+    """The scene of a sweep in words: the id of its case, or what its parameters make of it."""
     if case == ELASTIC_SPHERES:
         return "elastic spheres"
     return case.partition("[")[0]
 
 
 @dataclass(frozen=True, kw_only=True)
-class Ladder:
-    """Rungs from benign to extreme, each an exact number as text.
+class Sweep:
+    """Points from benign to extreme, each an exact number as text.
 
     - `along` says in words what the number is, with its unit.
     - `case` is an id of the catalogue, with parameters as in `pendulum[theta0=2]`, or a scene of
       stress/scenes.
-    - `measure` builds the scene of a rung and judges it.
-    - `promised` is the last rung that the reference must hold, for the reason `basis`; without
-      them the ladder only informs.
+    - `measure` builds the scene of a point and judges it.
+    - `promised` is the last point that the reference must hold, for the reason `basis`; without
+      them the sweep only informs.
     - `exempt` maps a method to a lower promise with its reason.
-    - `is_general`: the ladder can be put on any motion.
-    - `costly`: rungs run one after another, as long as the forecast for the next is within the
+    - `is_general`: the sweep can be put on any motion.
+    - `costly`: points run one after another, as long as the forecast for the next is within the
       budget.
     """
 
     name: str
     case: str | Canonical
     along: str
-    rungs: tuple[str, ...]
+    points: tuple[str, ...]
     measure: Measure
     promised: str = ""
     basis: str = ""
@@ -57,20 +57,20 @@ class Ladder:
 
     def __post_init__(self) -> None:
         if bool(self.promised) != bool(self.basis) or (
-            self.promised and self.promised not in self.rungs
+            self.promised and self.promised not in self.points
         ):
             raise UsageError(
-                f"ladder {self.name}: promised is {self.promised!r}; expected one of its rungs,"
+                f"sweep {self.name}: promised is {self.promised!r}; expected one of its points,"
                 " with a basis"
             )
 
     @property
     def values(self) -> tuple[Fraction, ...]:
-        """The rungs as exact numbers."""
-        return tuple(Fraction(rung) for rung in self.rungs)
+        """The points as exact numbers."""
+        return tuple(Fraction(point) for point in self.points)
 
     def promise(self, method: str) -> tuple[str, str]:
-        """The last rung that a method must hold, and the reason; two empty strings without a
+        """The last point that a method must hold, and the reason; two empty strings without a
         promise.
         """
         return self.exempt.get(method, (self.promised, self.basis))
@@ -91,11 +91,11 @@ class Ladder:
 
 @dataclass(frozen=True, kw_only=True)
 class Battery:
-    """Ladders that answer one question; a new one is a file in stress/batteries with an instance
+    """Sweeps that answer one question; a new one is a file in stress/batteries with an instance
     named BATTERY.
     """
 
     id: str
     title: str
     question: str
-    ladders: tuple[Ladder, ...] = field(default_factory=tuple)
+    sweeps: tuple[Sweep, ...] = field(default_factory=tuple)
