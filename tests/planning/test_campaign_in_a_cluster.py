@@ -461,7 +461,9 @@ def test_a_connection_that_closes_says_that_the_scheduler_is_gone(
 
     player = Player(all_made)
     monkeypatch.setattr(player, "nthreads", closed)
-    with pytest.raises(ClusterError, match="the scheduler at tcp://played:1 does not respond any more"):
+    with pytest.raises(
+        ClusterError, match="the scheduler at tcp://played:1 does not respond any more"
+    ):
         played_results(player, 1)
 
 
