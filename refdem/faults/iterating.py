@@ -1,5 +1,5 @@
-"""Maps in the open, for faults to be planted in: the logistic map and equation, Lorenz' equations,
-billiards bounce by bounce, in plain Python.
+"""Maps in plain Python, to which faults are added: the logistic map and equation, Lorenz'
+equations, billiards bounce by bounce.
 """
 
 from collections.abc import Callable

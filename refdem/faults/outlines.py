@@ -1,5 +1,5 @@
-"""An outline carried by a linear flow in the open, for faults to be planted in: x'' + 2 delta x' +
-w0^2 x = 0, start by start.
+"""An outline carried by a linear flow, in plain Python to which faults are added: x'' + 2 delta x'
++ w0^2 x = 0, start by start.
 """
 
 from cmath import exp, sqrt

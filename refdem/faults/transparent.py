@@ -1,4 +1,4 @@
-"""The transparent engine: small plain parts in the open, to carry known faults; it is not
+"""The transparent engine: small parts in plain Python, to which known faults are added; it is not
 discovered among the engines.
 """
 

@@ -1,5 +1,5 @@
-"""Many equal spheres, smooth or rough, in a periodic box, between planes or in the open: velocity
-Verlet with a neighbour list (kernels/gas.c).
+"""Many equal spheres, smooth or rough, in a periodic box, between planes or in unbounded space:
+velocity Verlet with a neighbour list (kernels/gas.c).
 
 A run has the threads of its request, one if it says none: worker processes already share the cores.
 The environment variable REFDEM_THREADS asks for more. No bit of the result depends on it.
