@@ -121,7 +121,7 @@ class Cluster:
         """Raises ClusterError with a line for each worker that would not run as this process
         does.
         """
-        answers = self._client.run(remote.misfit, self._expected, on_error="return")
+        answers = self._client.run(remote.mismatch, self._expected, on_error="return")
         lines = []
         for address, answer in sorted(answers.items()):
             if isinstance(answer, OSError):
@@ -303,8 +303,10 @@ class _Distribution:
             raise ClusterError(f"a worker failed outside of its runs: {words}; {_KEPT}")
         self._lost_in_a_row = 0
         returned = _read(data)
-        if returned.misfit:
-            raise ClusterError(f"a worker that joined later: {one_line(returned.misfit)}; {_KEPT}")
+        if returned.mismatch:
+            raise ClusterError(
+                f"a worker that joined later: {one_line(returned.mismatch)}; {_KEPT}"
+            )
         if len(returned.outcomes) != len(jobs):
             raise ClusterError(
                 f"a worker returned {len(returned.outcomes)} outcomes; expected {len(jobs)}"

@@ -82,7 +82,7 @@ class Returned(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=
 
     outcomes: list[Outcome]
     seconds: float
-    misfit: str = ""
+    mismatch: str = ""
 
 
 def code_state(engines: Iterable[Engine]) -> bytes:
@@ -101,7 +101,7 @@ def code_state(engines: Iterable[Engine]) -> bytes:
 
 
 @lru_cache(maxsize=8)
-def misfit(expected: bytes) -> str:
+def mismatch(expected: bytes) -> str:
     """Why runs of this process would not be those of the process whose state is `expected`; empty
     if they are the same.
 
@@ -228,9 +228,9 @@ def made(batch_bytes: bytes) -> bytes:
     """The outcomes of a batch of runs, as MessagePack of Returned."""
     begin = time.monotonic()
     batch = msgspec.msgpack.decode(batch_bytes, type=Batch)
-    reason = misfit(batch.expected)
+    reason = mismatch(batch.expected)
     if reason:
-        return msgspec.msgpack.encode(Returned(outcomes=[], seconds=0.0, misfit=reason))
+        return msgspec.msgpack.encode(Returned(outcomes=[], seconds=0.0, mismatch=reason))
     jobs = [
         _job(number, errand, begin, begin + batch.longest)
         for number, errand in enumerate(batch.errands)

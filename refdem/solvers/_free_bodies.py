@@ -67,7 +67,7 @@ class SteppedFreeBodies(FreeBodies):
     def function(self) -> str:
         """Name of the kernel's function."""
 
-    def unfit(self, problem: Motion) -> str | None:
+    def unsupported_values(self, problem: Motion) -> str | None:
         """None if some body rotates, else the reason."""
         if "rotation" not in problem.scene.features:
             return "nothing turns; uniform motion needs no steps"

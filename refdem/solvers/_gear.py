@@ -66,7 +66,7 @@ class GearPoints(KernelSolver):
         elements={Spring: ANY, UniformGravity: ANY, CentralField: ANY}, may_be_fixed=True
     )
 
-    def unfit(self, problem: Motion) -> str | None:
+    def unsupported_values(self, problem: Motion) -> str | None:
         """None if nothing turns and the kernel supports the springs, which must be smooth at their
         natural length, else the reason.
         """
@@ -74,7 +74,7 @@ class GearPoints(KernelSolver):
             return "a body turns; here places alone are integrated"
         if any(spring.exponent % 2 != 1 for spring in problem.scene.all(Spring)):
             return "a spring whose force is not smooth where it changes sign"
-        return _particles.unfit(problem)
+        return _particles.unsupported_values(problem)
 
     def prepare(self, request: Request) -> KernelCall:
         """The scene, the coefficients and the steps, and arrays for work space and states."""
@@ -122,12 +122,12 @@ class GearFreeBody(SteppedFreeBodies):
 
     function = "refdem_rigid_body_gear"
 
-    def unfit(self, problem: Motion) -> str | None:
+    def unsupported_values(self, problem: Motion) -> str | None:
         """None if a body turns, and those that do have inertia about all axes, else the reason."""
         bodies = problem.scene.bodies
         if not np.all(bodies.inertia[spinning(bodies)] > 0):
             return "a body that turns without inertia about one of its axes"
-        return super().unfit(problem)
+        return super().unsupported_values(problem)
 
     def turn(self, request: Request, body: int) -> KernelCall:
         """Attitude (T, 4) and omega (T, 3) after every `stride` steps."""

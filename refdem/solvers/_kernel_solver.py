@@ -114,9 +114,9 @@ class KernelSolver(SceneSolver, KernelRun):
         """None if the scene has the pattern, fits the method, and the motion reaches its last
         sample.
         """
-        return super().unsupported(problem) or self.ends_early(problem)
+        return super().unsupported(problem) or self.unsupported_times(problem)
 
-    def ends_early(self, problem: Motion) -> str | None:
+    def unsupported_times(self, problem: Motion) -> str | None:
         """None if the motion goes on to its last sample, else what ends it.
 
         Asked only of scenes that fit. Some motions end where the scene has no law for what follows,

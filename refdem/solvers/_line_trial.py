@@ -42,7 +42,7 @@ def series_call(line: Line, t: Array) -> KernelCall:
     )
 
 
-def ends_early(problem: Motion) -> str | None:
+def unsupported_times(problem: Motion) -> str | None:
     """None if the motion reaches the last sample on its side of the spring's anchor, else the
     reason.
 

@@ -88,10 +88,10 @@ def unsupported(problem: Motion) -> str | None:
     """None if the scene is points and spheres under springs, gravity, a central field and linear or
     Hertzian contact, else the reason.
     """
-    return PATTERN.unsupported(problem) or unfit(problem)
+    return PATTERN.unsupported(problem) or unsupported_values(problem)
 
 
-def unfit(problem: Motion) -> str | None:
+def unsupported_values(problem: Motion) -> str | None:
     """None if springs, bodies and contacts of a scene with PATTERN are supported by the kernel,
     else the reason.
     """

@@ -10,7 +10,7 @@ FITS = 1e-9
 """Relative error of lengths and speeds at the start that counts as rounding."""
 
 
-def misfit(arm: Array, relative_velocity: Array, length: float) -> str | None:
+def inconsistent(arm: Array, relative_velocity: Array, length: float) -> str | None:
     """None if a rod fits its start: the vector (3,) [m] to its end and that end's velocity relative
     to the other one; else the reason.
     """

@@ -49,7 +49,10 @@ SOME = Count(1)
 
 @dataclass(frozen=True, kw_only=True)
 class ScenePattern:
-    """What a scene must consist of. Conditions on values and positions are a solver's `unfit`."""
+    """What a scene must consist of.
+
+    Conditions on values and positions are a solver's `unsupported_values`.
+    """
 
     elements: Mapping[type[Element], Count] = field(default_factory=dict)
     """How many elements of each kind there may be; kinds that are not listed are refused."""
@@ -145,8 +148,8 @@ class SceneSolver(Solver):
 
     def unsupported(self, problem: Motion) -> str | None:
         """None if the scene has the pattern, and its values and places fit the method."""
-        return self.pattern.unsupported(problem) or self.unfit(problem)
+        return self.pattern.unsupported(problem) or self.unsupported_values(problem)
 
     @abstractmethod
-    def unfit(self, problem: Motion) -> str | None:
+    def unsupported_values(self, problem: Motion) -> str | None:
         """None if values and places fit the method; asked only of scenes that have the pattern."""

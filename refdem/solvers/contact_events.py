@@ -29,14 +29,14 @@ class ContactEvents(_particles.ParticleSolver):
         cost_rank=20,
     )
 
-    def unfit(self, problem: Motion) -> str | None:
+    def unsupported_values(self, problem: Motion) -> str | None:
         """None for linear contact between shapes that can meet, else the reason."""
         law = _particles.contact_of(problem.scene)
         if law is None:
             return "no shapes that can meet"
         if law.law != "linear":
             return f"contact law {law.law}: not smooth at its onset"
-        return RK4.unfit(problem)
+        return RK4.unsupported_values(problem)
 
     def origin(self, scene: Scene) -> Array:
         """The middle of the shapes: far from the origin, rounding of positions would keep a step

@@ -40,7 +40,7 @@ class DissipatingBody(KernelSolver):
 
     pattern = ScenePattern(elements={InternalDamping: ONE}, bodies=ONE, has_inertia=True)
 
-    def unfit(self, problem: Motion) -> str | None:
+    def unsupported_values(self, problem: Motion) -> str | None:
         """None: every body with inertia and internal damping is supported."""
         return None
 

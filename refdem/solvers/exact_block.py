@@ -45,7 +45,7 @@ class ExactBlock(KernelSolver):
         irreversible="a body that friction brought to rest may have come from anywhere",
     )
 
-    def unfit(self, problem: Motion) -> str | None:
+    def unsupported_values(self, problem: Motion) -> str | None:
         """None for a block on a level plane with a linear spring at its centre along its motion,
         which friction does not tip over, else the reason.
         """

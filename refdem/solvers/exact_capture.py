@@ -44,7 +44,7 @@ class ExactCapture(SceneSolver):
         irreversible="the hook would have to let go, and nothing says where",
     )
 
-    def unfit(self, problem: Motion) -> str | None:
+    def unsupported_values(self, problem: Motion) -> str | None:
         """None: every free point and every hook are supported."""
         return None
 

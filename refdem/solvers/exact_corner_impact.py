@@ -48,7 +48,7 @@ class ExactCornerImpact(SceneSolver):
         irreversible="the state before an impact cannot be recovered",
     )
 
-    def unfit(self, problem: Motion) -> str | None:
+    def unsupported_values(self, problem: Motion) -> str | None:
         """None for a smooth plane that one edge along z meets, and no other one after it, else the
         reason.
         """

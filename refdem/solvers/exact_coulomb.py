@@ -41,7 +41,7 @@ class ExactCoulomb(KernelSolver):
         irreversible="a body that friction brought to rest may have come from anywhere",
     )
 
-    def unfit(self, problem: Motion) -> str | None:
+    def unsupported_values(self, problem: Motion) -> str | None:
         """None for a linear spring of natural length 0 and a slider with friction, all along one
         line, else the reason.
         """

@@ -40,7 +40,7 @@ class ExactDrag(SceneSolver):
         irreversible="before some time in the past the velocity is infinite",
     )
 
-    def unfit(self, problem: Motion) -> str | None:
+    def unsupported_values(self, problem: Motion) -> str | None:
         """None for a body that moves along gravity against a drag that is not zero."""
         scene = problem.scene
         drag = scene.all(Drag)[0]

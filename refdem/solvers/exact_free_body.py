@@ -28,7 +28,7 @@ class ExactFreeBody(FreeBodies):
     )
     kernels = ("free_body",)
 
-    def unfit(self, problem: Motion) -> str | None:
+    def unsupported_values(self, problem: Motion) -> str | None:
         """None: every free body is supported, rotating or not."""
         return None
 

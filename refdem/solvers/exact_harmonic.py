@@ -35,7 +35,7 @@ class ExactHarmonic(KernelSolver):
         elements={Spring: ONE, UniformGravity: ANY}, bodies=ONE, only_points=True
     )
 
-    def unfit(self, problem: Motion) -> str | None:
+    def unsupported_values(self, problem: Motion) -> str | None:
         """None for a linear spring of natural length 0, else the reason."""
         spring = problem.scene.all(Spring)[0]
         if spring.length or not single.is_linear(spring) or not spring.stiffness > 0:

@@ -44,7 +44,7 @@ class ExactHeadOn(KernelSolver):
         elements={Contact: ONE}, bodies=TWO, shape=Sphere, law="linear", may_spin=False
     )
 
-    def unfit(self, problem: Motion) -> str | None:
+    def unsupported_values(self, problem: Motion) -> str | None:
         """None for spheres that meet along the line of their centres, and forward in time if the
         contact is damped, else the reason.
         """

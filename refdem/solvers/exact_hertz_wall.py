@@ -56,7 +56,7 @@ class ExactHertzWall(SceneSolver):
         irreversible="the motion before friction stopped it cannot be recovered",
     )
 
-    def unfit(self, problem: Motion) -> str | None:
+    def unsupported_values(self, problem: Motion) -> str | None:
         """None for a sphere at or before the plane whose slip stays on one line, else the
         reason.
         """

@@ -30,7 +30,7 @@ class ExactKepler(KernelSolver):
 
     pattern = ScenePattern(elements={CentralField: ONE}, bodies=ONE, only_points=True)
 
-    def unfit(self, problem: Motion) -> str | None:
+    def unsupported_values(self, problem: Motion) -> str | None:
         """None for a bound orbit that misses the centre, else the reason."""
         return _unbound(problem.scene)
 

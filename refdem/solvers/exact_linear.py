@@ -14,7 +14,7 @@ from refdem.scene.elements.spring import Spring
 from refdem.solvers import _line
 from refdem.solvers import _single_point as single
 from refdem.solvers._kernel_solver import KernelCall, KernelSolver, Struct, samples_from_start
-from refdem.solvers._line_trial import ends_early
+from refdem.solvers._line_trial import unsupported_times
 
 
 class ExactLinear(KernelSolver):
@@ -33,7 +33,7 @@ class ExactLinear(KernelSolver):
 
     pattern = _line.PATTERN
 
-    def unfit(self, problem: Motion) -> str | None:
+    def unsupported_values(self, problem: Motion) -> str | None:
         """None for a linear restoring spring with a linear dashpot or a force, else the reason;
         without these the motion is harmonic.
         """
@@ -47,11 +47,11 @@ class ExactLinear(KernelSolver):
             return "nothing damps or drives: the motion is harmonic"
         return _line.askew(scene)
 
-    def ends_early(self, problem: Motion) -> str | None:
+    def unsupported_times(self, problem: Motion) -> str | None:
         """None if the point stays on its side of the spring's anchor, else the reason."""
         if not problem.scene.all(Spring)[0].length > 0:
             return None  # the force is linear on both sides
-        return ends_early(problem)
+        return unsupported_times(problem)
 
     def prepare(self, request: Request) -> KernelCall:
         """The law and the start along the line; rows for x and v."""

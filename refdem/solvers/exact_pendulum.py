@@ -39,7 +39,7 @@ class ExactPendulum(KernelSolver):
 
     pattern = ScenePattern(elements={Rod: ONE, UniformGravity: ANY}, bodies=ONE, only_points=True)
 
-    def unfit(self, problem: Motion) -> str | None:
+    def unsupported_values(self, problem: Motion) -> str | None:
         """None for a point on the rod whose motion is in a plane with gravity, else the reason."""
         return _misfit(problem.scene)
 

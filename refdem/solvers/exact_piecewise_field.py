@@ -32,7 +32,7 @@ class ExactPiecewiseField(KernelSolver):
 
     pattern = ScenePattern(elements={PiecewiseField: ONE}, bodies=ONE, may_spin=False)
 
-    def unfit(self, problem: Motion) -> str | None:
+    def unsupported_values(self, problem: Motion) -> str | None:
         """None for a velocity along the field's axis, else the reason."""
         scene = problem.scene
         velocity = scene.bodies.velocity[0]

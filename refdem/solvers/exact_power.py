@@ -30,7 +30,7 @@ class ExactPower(KernelSolver):
 
     pattern = ScenePattern(elements={Spring: ONE}, bodies=ONE, only_points=True)
 
-    def unfit(self, problem: Motion) -> str | None:
+    def unsupported_values(self, problem: Motion) -> str | None:
         """None for one power above 1 of the stretch from natural length 0, else the reason."""
         spring = problem.scene.all(Spring)[0]
         other_terms = spring.length or spring.quadratic or spring.cubic

@@ -36,7 +36,7 @@ class ExactPowerContact(KernelSolver):
         elements={Contact: ONE}, bodies=TWO, shape=Sphere, law="hertz", may_spin=False
     )
 
-    def unfit(self, problem: Motion) -> str | None:
+    def unsupported_values(self, problem: Motion) -> str | None:
         """None for spheres that meet along the line of their centres, else the reason."""
         _, closing, sideways = approach(problem.scene)
         if sideways > ROUNDED * abs(closing):

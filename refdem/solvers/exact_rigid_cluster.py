@@ -43,7 +43,7 @@ class ExactRigidCluster(SceneSolver):
 
     pattern = ScenePattern(elements={Rod: SOME}, only_points=True)
 
-    def unfit(self, problem: Motion) -> str | None:
+    def unsupported_values(self, problem: Motion) -> str | None:
         """None for points not in one plane that rods hold as one body, else the reason."""
         scene = problem.scene
         if any(rod.b < 0 for rod in scene.all(Rod)):

@@ -122,7 +122,7 @@ class ExactRolling(SceneSolver):
         irreversible="a body that rolls may have slid before",
     )
 
-    def unfit(self, problem: Motion) -> str | None:
+    def unsupported_values(self, problem: Motion) -> str | None:
         """None for a sphere that lies on the plane, and moves and turns along one line of it, else
         the reason.
         """

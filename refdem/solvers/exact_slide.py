@@ -39,7 +39,7 @@ class ExactSlide(SceneSolver):
         irreversible="the block slides from rest",
     )
 
-    def unfit(self, problem: Motion) -> str | None:
+    def unsupported_values(self, problem: Motion) -> str | None:
         """None for a block at rest on a plane that is too steep for friction to hold it, and that
         does not tip over, else the reason.
         """

@@ -39,7 +39,7 @@ class ExactWedge(KernelSolver):
 
     pattern = ScenePattern(elements={Wedge: ONE}, bodies=ONE, may_spin=False)
 
-    def unfit(self, problem: Motion) -> str | None:
+    def unsupported_values(self, problem: Motion) -> str | None:
         """None for a velocity along the wall's normal, else the reason."""
         scene = problem.scene
         velocity = scene.bodies.velocity[0]

@@ -51,7 +51,7 @@ class ExactWhirl(SceneSolver):
         in_plane=True,
     )
 
-    def unfit(self, problem: Motion) -> str | None:
+    def unsupported_values(self, problem: Motion) -> str | None:
         """None for a linear restoring spring of natural length 0 and linear dashpots to the world,
         else the reason.
         """

@@ -96,7 +96,7 @@ class Gas(KernelSolver):
         law="linear",
     )
 
-    def unfit(self, problem: Motion) -> str | None:
+    def unsupported_values(self, problem: Motion) -> str | None:
         """None for many equal spheres with one kind of bounds, and a tangential spring if there is
         friction, else the reason.
         """

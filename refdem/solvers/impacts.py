@@ -57,7 +57,7 @@ class Impacts(KernelSolver):
         irreversible="the states before impacts cannot be recovered",
     )
 
-    def unfit(self, problem: Motion) -> str | None:
+    def unsupported_values(self, problem: Motion) -> str | None:
         """None for spheres that start apart and turn alike about all axes."""
         scene = problem.scene
         bodies = scene.bodies

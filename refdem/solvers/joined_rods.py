@@ -15,7 +15,7 @@ from refdem.scene.elements.spring import Spring
 from refdem.scene.elements.uniform_gravity import UniformGravity
 from refdem.solvers import _single_point as single
 from refdem.solvers._kernel_solver import KernelCall, KernelSolver, samples
-from refdem.solvers._rods import directions_and_rates, misfit, turned
+from refdem.solvers._rods import directions_and_rates, inconsistent, turned
 from refdem.solvers._scene_pattern import ANY, Count, ScenePattern
 
 Array = NDArray[np.float64]
@@ -47,7 +47,7 @@ class JoinedRods(KernelSolver):
         only_points=True,
     )
 
-    def unfit(self, problem: Motion) -> str | None:
+    def unsupported_values(self, problem: Motion) -> str | None:
         """None if every point starts on a rod of its own, and every spring is linear, else the
         reason.
         """
@@ -61,7 +61,7 @@ class JoinedRods(KernelSolver):
             return "a spring is not linear"
         arms, velocities = _at_start(scene)
         for arm, velocity, rod in zip(arms, velocities, rods, strict=True):
-            if reason := misfit(arm, velocity, rod.length):
+            if reason := inconsistent(arm, velocity, rod.length):
                 return reason
         return None
 

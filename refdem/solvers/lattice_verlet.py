@@ -55,7 +55,7 @@ class LatticeVerlet(KernelSolver):
 
     pattern = _line.PATTERN
 
-    def unfit(self, problem: Motion) -> str | None:
+    def unsupported_values(self, problem: Motion) -> str | None:
         """None for a conservative oscillator on a line whose motion is bounded, else the
         reason.
         """

@@ -57,7 +57,7 @@ class ObliqueContact(KernelSolver):
         irreversible="the motion before friction stopped it cannot be recovered",
     )
 
-    def unfit(self, problem: Motion) -> str | None:
+    def unsupported_values(self, problem: Motion) -> str | None:
         """None for spheres in contact that approach, with spins normal to the plane of their
         motion, else the reason.
         """

@@ -50,7 +50,7 @@ class Rattle(KernelSolver):
         only_points=True,
     )
 
-    def unfit(self, problem: Motion) -> str | None:
+    def unsupported_values(self, problem: Motion) -> str | None:
         """None for springs whose force is one power of their stretch, else the reason."""
         if any(spring.quadratic or spring.cubic for spring in problem.scene.all(Spring)):
             return "a spring with a square or a cube"

@@ -28,13 +28,13 @@ class RungeKutta(_particles.ParticleSolver):
         cost_rank=40,
     )
 
-    def unfit(self, problem: Motion) -> str | None:
+    def unsupported_values(self, problem: Motion) -> str | None:
         """None if velocity Verlet supports the problem and springs are smooth at their natural
         length, else the reason.
         """
         if any(spring.exponent % 2 != 1 for spring in problem.scene.all(Spring)):
             return "a spring whose force is not smooth where it changes sign"
-        return _particles.unfit(problem) or _sliding.unsupported(problem.scene)
+        return _particles.unsupported_values(problem) or _sliding.unsupported(problem.scene)
 
     def origin(self, scene: Scene) -> Array:
         """The origin of space: positions stay as they are given."""

@@ -19,7 +19,7 @@ from refdem.scene.elements.rod import Rod
 from refdem.scene.elements.uniform_gravity import UniformGravity
 from refdem.solvers import _single_point as single
 from refdem.solvers._kernel_solver import KernelCall, KernelSolver, samples
-from refdem.solvers._rods import FITS, directions_and_rates, misfit, turned
+from refdem.solvers._rods import FITS, directions_and_rates, inconsistent, turned
 from refdem.solvers._scene_pattern import ANY, OPTIONAL, Count, ScenePattern
 from refdem.solvers._single_point import Array
 
@@ -51,7 +51,7 @@ class RodChain(KernelSolver):
         only_points=True,
     )
 
-    def unfit(self, problem: Motion) -> str | None:
+    def unsupported_values(self, problem: Motion) -> str | None:
         """None for a chain from one pivot whose start fits its rods, else the reason."""
         return _not_a_chain(problem.scene) or _misfit(problem)
 
@@ -174,7 +174,7 @@ def _misfit(problem: Motion) -> str | None:
     for arm, relative_velocity, rod in zip(
         *_initial_branches(scene, chain, pivot), chain.rods, strict=True
     ):
-        if reason := misfit(arm, relative_velocity, rod.length):
+        if reason := inconsistent(arm, relative_velocity, rod.length):
             return reason
     return None
 

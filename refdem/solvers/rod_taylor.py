@@ -43,7 +43,7 @@ class RodTaylor(KernelSolver):
 
     pattern = ScenePattern(elements={Rod: ONE, UniformGravity: ANY}, bodies=ONE, only_points=True)
 
-    def unfit(self, problem: Motion) -> str | None:
+    def unsupported_values(self, problem: Motion) -> str | None:
         """None for a point that starts on its rod without a speed along it, else the reason."""
         scene = problem.scene
         rod = scene.all(Rod)[0]

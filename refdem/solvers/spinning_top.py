@@ -50,7 +50,7 @@ class SpinningTop(KernelSolver):
 
     pattern = ScenePattern(elements={BallJoint: ONE, UniformGravity: ANY}, bodies=ONE)
 
-    def unfit(self, problem: Motion) -> str | None:
+    def unsupported_values(self, problem: Motion) -> str | None:
         """None for a body with inertia whose joint is on one of its principal axes and closed, else
         the reason.
         """

@@ -55,7 +55,7 @@ class StickSlip(KernelSolver):
         irreversible="a body that sticks may have come from anywhere",
     )
 
-    def unfit(self, problem: Motion) -> str | None:
+    def unsupported_values(self, problem: Motion) -> str | None:
         """None for a linear spring of natural length 0 and a slider with static friction, all along
         one line, else the reason.
         """

@@ -50,13 +50,13 @@ class StringWheel(KernelSolver):
         in_plane=True,
     )
 
-    def unfit(self, problem: Motion) -> str | None:
+    def unsupported_values(self, problem: Motion) -> str | None:
         """None for two points in gravity that fit the string, else the reason."""
         if not single.gravity(problem.scene).any():
             return "nothing pulls the string taut: there is no gravity"
         return _misfit(problem.scene)
 
-    def ends_early(self, problem: Motion) -> str | None:
+    def unsupported_times(self, problem: Motion) -> str | None:
         """None if the pendulum stays off the wheel, else when it is drawn onto it: the scene has no
         law for what follows.
         """

@@ -9,7 +9,7 @@ from refdem.scene.elements.spring import Spring
 from refdem.solvers import _line
 from refdem.solvers import _single_point as single
 from refdem.solvers._kernel_solver import KernelCall, KernelSolver
-from refdem.solvers._line_trial import ends_early, series_call
+from refdem.solvers._line_trial import series_call, unsupported_times
 
 
 class TaylorOscillator(KernelSolver):
@@ -31,7 +31,7 @@ class TaylorOscillator(KernelSolver):
 
     pattern = _line.PATTERN
 
-    def unfit(self, problem: Motion) -> str | None:
+    def unsupported_values(self, problem: Motion) -> str | None:
         """None for forces that are polynomials in x and v and not merely harmonic, else the
         reason.
         """
@@ -45,11 +45,11 @@ class TaylorOscillator(KernelSolver):
             return "the motion is harmonic"
         return _line.askew(scene)
 
-    def ends_early(self, problem: Motion) -> str | None:
+    def unsupported_times(self, problem: Motion) -> str | None:
         """None if the motion stays finite and on its side of the spring's anchor, else the
         reason.
         """
-        return ends_early(problem)
+        return unsupported_times(problem)
 
     def prepare(self, request: Request) -> KernelCall:
         """The law and the start along the line; rows for x, v and work."""

@@ -65,7 +65,7 @@ class TumblingBody(KernelSolver):
         irreversible="its kernel goes from event to event forward only",
     )
 
-    def unfit(self, problem: Motion) -> str | None:
+    def unsupported_values(self, problem: Motion) -> str | None:
         """None for a body whose corners slide as long as they press on the plane, else the
         reason.
         """

@@ -35,9 +35,9 @@ class VelocityVerlet(_particles.ParticleSolver):
         cost_rank=30,
     )
 
-    def unfit(self, problem: Motion) -> str | None:
+    def unsupported_values(self, problem: Motion) -> str | None:
         """None if the kernel supports all springs, bodies and contacts, else the reason."""
-        return _particles.unfit(problem)
+        return _particles.unsupported_values(problem)
 
     def origin(self, scene: Scene) -> Array:
         """The origin of space: positions stay as they are given."""

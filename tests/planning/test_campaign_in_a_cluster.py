@@ -206,11 +206,11 @@ def state(**changed: Any) -> bytes:
     ],
 )
 def test_a_worker_says_why_it_is_not_fit(expected: bytes, words: str) -> None:
-    reason = remote.misfit(expected)
+    reason = remote.mismatch(expected)
     assert words in reason
     assert bool(words) == bool(reason)
     batch = remote.Batch(expected=expected, longest=1.0, errands=[])
-    assert returned_for(batch).misfit == reason
+    assert returned_for(batch).mismatch == reason
 
 
 def returned_for(batch: remote.Batch) -> remote.Returned:
@@ -242,9 +242,9 @@ def test_an_engine_that_a_worker_lacks_is_named(monkeypatch: pytest.MonkeyPatch)
     expected = state(machine=remote.fingerprint.of_machine())
     engine = discovery.engine("reference")
     monkeypatch.setattr(type(engine), "missing", lambda self: "pip install it")
-    remote.misfit.cache_clear()
-    assert remote.misfit(expected) == "engine reference is not installed there: pip install it"
-    remote.misfit.cache_clear()
+    remote.mismatch.cache_clear()
+    assert remote.mismatch(expected) == "engine reference is not installed there: pip install it"
+    remote.mismatch.cache_clear()
 
 
 def test_workers_that_are_not_fit_are_said_before_the_first_run(two_workers: LocalCluster) -> None:
@@ -421,10 +421,10 @@ def test_what_hung_before_is_not_sent() -> None:
     assert player.sizes == []
 
 
-def returned(outcomes: int, misfit: str = "") -> bytes:
+def returned(outcomes: int, mismatch: str = "") -> bytes:
     """What a worker says, with so many outcomes."""
     document = remote.Returned(
-        outcomes=[remote.Outcome(reply=b"")] * outcomes, seconds=0.0, misfit=misfit
+        outcomes=[remote.Outcome(reply=b"")] * outcomes, seconds=0.0, mismatch=mismatch
     )
     return msgspec.msgpack.encode(document)
 
@@ -437,7 +437,7 @@ def returned(outcomes: int, misfit: str = "") -> bytes:
         (ValueError("worn\nout"), "a worker failed outside of its runs: ValueError: worn"),
         (returned(0), "0 outcomes; expected 1"),
         (returned(2), "2 outcomes; expected 1"),
-        (returned(0, misfit="another refdem"), "a worker that joined later: another refdem"),
+        (returned(0, mismatch="another refdem"), "a worker that joined later: another refdem"),
         (b"", "bytes that are no results"),
         (b"\x93\x01\x02", "bytes that are no results"),
         (["a", "list"], "list; expected bytes"),
