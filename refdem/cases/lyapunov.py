@@ -30,7 +30,7 @@ def _reason(instance: Instance) -> str | None:
     """None where the case says whether it is chaotic, else why it is left out."""
     if instance.case.is_chaotic(instance.p) is not None:
         return None
-    return "nobody has said whether the motion is chaotic"
+    return "it is not known whether the motion is chaotic"
 
 
 CASE = Selection(

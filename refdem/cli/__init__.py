@@ -63,7 +63,7 @@ def main() -> None:
         except SystemExit as end:
             if (
                 type(sys.stdout).__name__ == "PacifyFlushWrapper"
-            ):  # what typer puts there, with status 1, when nobody reads any more
+            ):  # what typer puts there, with status 1, when the reader has closed
                 sys.exit(UNREAD)
             if end.code == INTERRUPTED:
                 _tell("interrupted; finished runs are stored and will not be repeated")

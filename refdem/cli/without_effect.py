@@ -84,7 +84,7 @@ def unfelt(instance: "Instance", store: "Store") -> list[str]:
 
 
 def _unseen(stage: str, done: int, total: int) -> None:
-    """Progress that is not shown: these proofs are few and short, and nobody asked for them."""
+    """Progress that is not shown: these proofs are few and short, and were not requested."""
 
 
 def is_same_truth(one: "SampledTruth", other: "SampledTruth", scales: Mapping[str, float]) -> bool:

@@ -50,7 +50,7 @@ DECIDED: tuple[Outcome, ...] = ("pass", "fail", "expected", "stale", "worse")
 class Level(msgspec.Struct, frozen=True, kw_only=True):
     """One refinement level: step or tolerance, largest error over the run in units of the
     quantity's scale, its bound, seconds in the engine's loop, whether it counts for the order, and
-    the steps that the run took (0: nobody counted, as in records of older versions)."""
+    the steps that the run took (0: not counted, as in records of older versions)."""
 
     level: float
     error: float

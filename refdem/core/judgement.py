@@ -90,7 +90,7 @@ class Sight:
 
     @property
     def movement(self) -> str:
-        """The signal as a sentence has it; the smallest of all stands for what nobody can see."""
+        """The signal as a sentence has it; the smallest of all stands for what cannot be seen."""
         if self.signal <= np.finfo(float).tiny:
             return "no more than round-off"
         return f"{self.signal:.2g}"

@@ -29,7 +29,7 @@ NO_WORD = re.compile(r"Invalid enum value '(.*)' - at `.*\.(\w+)[^.]*`")
 def content(path: Path, expected: str) -> bytes:
     """The bytes of a file; raises UsageError that ends with `expected`, what the file should be.
 
-    What is no file is not waited for: a pipe to which nobody writes has no end.
+    A path that is no file is not waited for: a pipe without a writer has no end.
     """
     try:
         with open(path, "rb", opener=_unwaiting) as file:

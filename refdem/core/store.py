@@ -97,7 +97,7 @@ class Store:
         """Opens the store at `path` or makes it; never raises, see the head of this module."""
         self.path = path
         self._tally = _Tally(path)
-        # Python 3.13 warns of a connection that nobody closed.
+        # Python 3.13 warns of a connection that was not closed.
         self._finish = weakref.finalize(self, _finished, self._tally)
         self._open()
 

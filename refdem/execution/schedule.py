@@ -67,8 +67,8 @@ Result = TypeVar("Result")
 def counted(
     results: Iterable[Result], stage: str, total: int, progress: Progress
 ) -> Iterator[Result]:
-    """The same results; progress is told that the stage begins, before any work for it is done, and
-    whenever a result has been dealt with.
+    """The same results; progress is informed that the stage begins, before any work for it is
+    done, and whenever a result has been handled.
     """
     if total:
         progress(stage, 0, total)

@@ -136,7 +136,7 @@ def with_force(sound: Parts, kind: type[Element], force: Callable[..., Any]) -> 
 
 
 def late_force(kind: type[Element]) -> Inside:
-    """The force of one kind of element is told one call late."""
+    """The force of one kind of element is returned one call late."""
 
     def inside(sound: Parts) -> dict[str, Any]:
         force = Late(sound.forces[kind])

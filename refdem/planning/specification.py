@@ -27,7 +27,7 @@ class Entry(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     """One case at one set of parameters, each as text.
 
     `levels` overrules the levels of its campaign for this case: more where an order shows late,
-    fewer where a run is dear.
+    fewer where a run is expensive.
     """
 
     id: str

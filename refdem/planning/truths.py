@@ -35,7 +35,7 @@ FAILED = "the proof ended in a "
 
 
 class BrokenProofError(Exception):
-    """A proof raised an exception that nobody caught: refdem is wrong, and what it would say of
+    """A proof raised an unexpected exception: refdem is wrong, and what it would say of
     engines is no verdict.
 
     It is no RefdemError: the command ends with the exit status of refdem that broke.
@@ -58,7 +58,7 @@ def sampled_truths(
 
     Those of instances that are not `is_judged`, in no engine, are not proved. A proof that crashed
     or ran out of time leaves what it had certified until then. BrokenProofError, once all the
-    others are proved and kept, if a proof raised an exception that nobody caught.
+    others are proved and kept, if a proof raised an unexpected exception.
     """
     keys = [truth_key(instance, delays) for instance, delays in instances]
     truths: dict[str, SampledTruth] = {}

@@ -15,7 +15,7 @@ from refdem.report.tolerance import Control, Row, rows_of, worst_rows
 
 FINER = 100.0
 """How much smaller than the smallest step that ran a step may be that is extrapolated: farther away
-nobody knows where round-off begins.
+it is not known where round-off begins.
 """
 LEAST_ORDER = 0.5
 """An error that falls more slowly than this power of the step is not extrapolated."""
@@ -27,9 +27,9 @@ class Choice:
 
     `level` is None where none does: `error` is then the smallest that was measured. `cost` is the
     time [s] of computing for one second of motion. `steps_taken` in one tau is counted in the run
-    of that level; None where nobody counted, or where the step did not run. An extrapolated step is
-    smaller than all that ran; it and its cost follow from the measured order. `is_coarsest` where
-    no larger step ran.
+    of that level; None where they were not counted, or where the step did not run. An extrapolated
+    step is smaller than all that ran; it and its cost follow from the measured order. `is_coarsest`
+    where no larger step ran.
     """
 
     record: Record
@@ -127,7 +127,7 @@ def _choice(case: CaseSheet, row: Row, target: float) -> Choice:
 
 
 def _steps_taken(level: Level, part: float) -> float | None:
-    """The steps of a run in this part of its duration, None where nobody counted them."""
+    """The steps of a run in this part of its duration, None where they were not counted."""
     if not level.steps:
         return None
     return level.steps * part

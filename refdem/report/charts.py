@@ -254,7 +254,7 @@ def _errors(data: ChartData) -> Spec:
 
 
 ERROR_TIPS = ("series", "quantity", "level", "error", "bound")
-"""What is told of a point of an error, by the columns of its row."""
+"""What is shown of a point of an error, by the columns of its row."""
 
 
 def _of_control(data: ChartData, kind: str, y: Spec, filters: list[str], width: int) -> Spec:

@@ -51,7 +51,7 @@ class Contents:
 
     def noticed(self, records: Iterable[Record]) -> dict[str, str]:
         """What the methods of some records would have noticed, a sentence by method; those that
-        nobody measured are left out.
+        no measurement covers are left out.
         """
         places = [(record.label, record.engine, record.method) for record in records]
         return {place[-1]: self._noticed[place] for place in places if place in self._noticed}

@@ -195,7 +195,7 @@ def _conserved(record: Record, law: Law, default_step: float | None) -> Conserve
 def _at_step(change: float, order: float, steps: list[float], step: float | None) -> float | None:
     """The change at a step [s], from that at the finest one: change ~ h^p, and at least round-off.
 
-    None for a step that is larger than all that ran: nobody knows whether the order holds there.
+    None for a step that is larger than all that ran: it is not known whether the order holds there.
     """
     if not steps or step is None or step > max(steps):
         return None

@@ -73,7 +73,7 @@ class Group:
 
 
 def groups(records: Iterable[Record]) -> list[Group]:
-    """The groups, in the order of their names; what nobody decided and what is exactly 0 has no
+    """The groups, in the order of their names; what is undecided and what is exactly 0 has no
     margin to compare.
     """
     by_group: dict[tuple[str, str, str], list[Finding]] = defaultdict(list)

@@ -1,6 +1,6 @@
 """Reasons why findings are not passes.
 
-Of each outcome every sentence is told once, with the findings that say it; those that decided
+Of each outcome every sentence is shown once, with the findings that say it; those that decided
 nothing are grouped by their first statement.
 """
 

@@ -32,7 +32,7 @@ class _State(msgspec.Struct):
 
 def stands(folder: Path, sheets: Sequence[Sheet], store: Store) -> bool:
     """True if the report in the folder was made of these sheets (how long they took apart) and
-    nobody has touched it since.
+    it was not changed since.
     """
     state = _left(folder, store)
     return state is not None and state.sheets == _of_sheets(sheets) and _is_untouched(folder, state)
@@ -56,7 +56,7 @@ def left(folder: Path, sheets: Sequence[Sheet], store: Store) -> None:
 
 
 def _left(folder: Path, store: Store) -> _State | None:
-    """How the report in a folder was left, None if nobody knows."""
+    """How the report in a folder was left, None if that is unknown."""
     return store.read("report", _text(folder.resolve()), msgspec.json.Decoder(_State).decode)
 
 

@@ -90,7 +90,7 @@ def smoke(engine: Engine) -> list[Finding]:
     """The findings on the clock, then on every probe with every method that supports it.
 
     There is one finding for each quantity compared, that of the method with the largest error. A
-    failure that many probes share is told once, with their names; an engine that has answered
+    failure that many probes share is reported once, with their names; an engine that has answered
     nothing and fails alike every time is not asked further.
     """
     findings = _worst([counted(engine, method) for method in engine.methods])

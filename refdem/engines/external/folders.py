@@ -23,7 +23,7 @@ from refdem.errors import EngineError
 PREFIX = "refdem-runs-"
 """Of the folder of a process that holds it."""
 MAKING = "refdem-new-"
-"""Of one that is just being made; the number of the process comes next, for nobody holds it yet."""
+"""Of one that is being made, which no process holds yet; the number of the process comes next."""
 
 MOST_TRIES = 3
 """Times that a run is begun where someone takes the homes of engines away meanwhile."""

@@ -44,7 +44,7 @@ class ServedProgram(Program):
         result = yield exchange.made
         result()
         (reply,) = exchange.replies
-        # The program still runs, and may have taken the name: then nothing is told of what it said.
+        # The program still runs, and may have taken the name: then its output is not shown.
         with suppress(EngineError):
             put_new(folder / "stderr.txt", reply.said.encode(errors="replace"))
         answer = answered(asked, reply)

@@ -250,7 +250,7 @@ class Supervisor:
         signal.set_wakeup_fd(waking)
 
     def answers(self) -> None:
-        """Runs what is asked for until nobody asks any more."""
+        """Runs what is requested until there are no more requests."""
         while True:
             received = self.received()
             if received is None:

@@ -1,4 +1,4 @@
-"""Faults of derivatives: of impacts that are differentiated, and of what is told of the matrix."""
+"""Faults of derivatives: of impacts that are differentiated, and of the reported matrix."""
 
 from collections.abc import Callable
 from dataclasses import replace
@@ -82,7 +82,7 @@ def _transposed(derivatives: Derivatives) -> Derivatives:
 
 
 def _of_sample_before(slopes: Array) -> Array:
-    """Derivatives that are told one sample late."""
+    """Derivatives that are reported one sample late."""
     return np.concatenate([slopes[:1], slopes[:-1]])
 
 
@@ -178,7 +178,7 @@ FAULTS = (
     ),
     gradient(
         name="gradient-in-body-axes",
-        sentence="Derivatives of places and velocities are told in body axes.",
+        sentence="Derivatives of positions and velocities are reported in body axes.",
         on=("differentiated-drop",),
         after=in_body_axes,
     ),
@@ -190,13 +190,13 @@ FAULTS = (
     ),
     gradient(
         name="gradient-by-grams",
-        sentence="Derivatives by the mass are told by grams.",
+        sentence="Derivatives by the mass are reported per gram.",
         on=SMOOTH,
         after=of_derivatives(of_column("mass", lambda slopes: slopes / 1000.0)),
     ),
     gradient(
         name="gradient-of-swapped-columns",
-        sentence="Derivatives by the mass and by the stiffness are told for each other.",
+        sentence="Derivatives by the mass and by the stiffness are exchanged.",
         on=SMOOTH,
         after=of_derivatives(_of_other_column("scene.bodies.0.mass", "scene.elements.0.stiffness")),
     ),
