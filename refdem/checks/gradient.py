@@ -38,7 +38,7 @@ from refdem.core.judgement import (
     undecided,
 )
 from refdem.core.refinement import COUNTING_FLOOR, kinked, scored
-from refdem.core.scene_numbers import observed_slopes, scene_rates
+from refdem.core.scene_numbers import observed_slopes, rounding_of_slopes, scene_rates
 from refdem.core.truth import SampledTruth
 from refdem.core.variant import Variant
 from refdem.errors import NotCertifiedError
@@ -49,7 +49,7 @@ PARTS = (0.25, 0.5, 0.75, 1.0)
 """Parts of the certified motion after which derivatives are judged."""
 DIFFERENCES = 2.0**-36
 """Relative error of the differences by which scene and quantities are differentiated: 2^-43, by
-cancellation up to a hundred times as much.
+cancellation up to a hundred times as much. Rounding adds to it (core/scene_numbers.py).
 """
 FELT = 2.0**-10
 """Size of a column, in scales a part of the number, below which a number is not felt: its
@@ -258,8 +258,10 @@ def _columns(
         if rates is None or len(proved) < len(samples):
             continue
         told = []
+        left = 0.0
         for level in subject.levels:
             run = runs[Variant(level, "differentiated")].trajectory
+            left = max(left, rounding_of_slopes(subject.instance, matrix.p, number, run, rates))
             told.append(observed_slopes(subject.instance, matrix.p, number, run, rates))
         names = tuple(name for name in told[0] if name in matrix.of[0] and name not in ATTITUDE)
         if not names:
@@ -268,10 +270,13 @@ def _columns(
         proven = np.array([[row[name][number.name] for row in matrix.of] for name in names])
         sizes = np.maximum.accumulate(np.max(np.abs(proven[..., 0]) / scales, axis=0))
         felt = FELT / (abs(float(number.of(matrix.p))) or 1.0)
-        unit = scales * np.maximum(sizes, felt)
+        sizes = np.maximum(sizes, felt)
+        unit = scales * sizes
         slopes = np.array([[of[name][list(samples)] for name in names] for of in told])
         errors = np.maximum(0.0, np.abs(slopes - proven[..., 0]) - proven[..., 1])
-        columns.append(Column(number.name, names, errors / unit, slopes / unit, rounding))
+        columns.append(
+            Column(number.name, names, errors / unit, slopes / unit, rounding + left / sizes)
+        )
     return columns
 
 

@@ -39,6 +39,10 @@ WIDTHS = {"position": 3, "velocity": 3, "attitude": 4, "omega": 3}
 """Components of each column of a state, in the order of the derivatives of a state."""
 STATES = sum(WIDTHS.values())
 """Components of the state of a body."""
+ROUNDINGS = 8.0 * 2.0**-53
+"""Error of a difference of WEIGHTS by rounding, for numbers of size 1: 110/60 times the roundings
+of a number that is observed, four of them.
+"""
 
 
 class CaseNumber(Protocol):
@@ -131,7 +135,7 @@ def observed_slopes(
     """
     change = tangent(run, rates)
     value = number.of(p)
-    distance = Fraction(_distance(instance, change, abs(float(value)) or 1.0))
+    distance = Fraction(_distance(instance, change, _unit(p, number)))
 
     def observed(k: int) -> dict[str, Array]:
         """The quantities at k distances from the run."""
@@ -150,6 +154,31 @@ def observed_slopes(
     return slopes
 
 
+def rounding_of_slopes(
+    instance: Instance,
+    p: Parameters,
+    number: CaseNumber,
+    run: Trajectory,
+    rates: Mapping[str, float],
+) -> float:
+    """Error of observed slopes by rounding, in scales of a quantity over the unit of the number.
+
+    Numbers of X scales are rounded by u X, so that a difference over a distance d is off by
+    ROUNDINGS X/d. A number that moves a motion by a small part of its scales, and places that are
+    far from the origin, leave the more of it.
+    """
+    scales = instance.scales
+    sizes = [1.0]
+    units = {"position": scales.length, "velocity": scales.speed, "omega": 1.0 / scales.tau}
+    for name, unit in units.items():
+        sizes.append(float(np.max(np.abs(getattr(run, name)), initial=0.0)) / unit)
+    for name, values in instance.case.observe(p, run).items():
+        if name in instance.quantities:
+            sizes.append(float(np.max(np.abs(values))) / instance.quantities[name].scale)
+    distance = _distance(instance, tangent(run, rates), _unit(p, number))
+    return ROUNDINGS * max(sizes) / distance
+
+
 def displaced(run: Trajectory, change: Array) -> Trajectory:
     """The states of a run moved by a change (T, N, STATES); channels and derivatives are left
     out.
@@ -161,6 +190,11 @@ def displaced(run: Trajectory, change: Array) -> Trajectory:
         columns[name] = getattr(run, name) + change[..., first:last]
         first = last
     return replace(run, **columns)
+
+
+def _unit(p: Parameters, number: CaseNumber) -> float:
+    """The size of a number, 1 of one that is 0."""
+    return abs(float(number.of(p))) or 1.0
 
 
 def _distance(instance: Instance, change: Array, unit: float) -> float:

@@ -73,9 +73,23 @@ def test_an_even_turn_is_differentiated_by_omega_also_at_rest():
         np.testing.assert_allclose(slopes[:, 9], run.t / 2 * np.cos(half), atol=1e-14)
 
 
+SHORT = {"gravity": "9.81", "bounces": "40", "duration": "3.853e-05", "samples": "16"}
+"""Gravity moves the ball by a thousandth of its fall."""
+HIGH = {
+    "radius": "0.0675",
+    "velocity": "0.7,-25.1",
+    "gravity": "3.87",
+    "duration": "7.011",
+    "samples": "16",
+}
+"""The radius is small beside the height that the ball reaches."""
+
+
 @pytest.mark.parametrize(
     ("case", "given"),
     [
+        ("bouncing-ball", SHORT),
+        ("bouncing-ball", HIGH),
         ("harmonic-oscillator", {"v0": "1/2", "gravity": "1", "duration": "8", "samples": "32"}),
         ("bouncing-ball", BALL),
         ("hard-wall", {"samples": "16", "velocity": "3/4,-1,1/4", "normal": "1/8,1,1/4"}),

@@ -10,7 +10,13 @@ import pytest
 from refdem.core import discovery
 from refdem.core.problem import Request
 from refdem.core.request_text import request_text
-from refdem.core.scene_numbers import keys_of, numbers_in, observed_slopes, scene_rates
+from refdem.core.scene_numbers import (
+    keys_of,
+    numbers_in,
+    observed_slopes,
+    rounding_of_slopes,
+    scene_rates,
+)
 from refdem.core.trajectory import Trajectory
 from refdem.truth.sensitivities import Number
 
@@ -85,3 +91,21 @@ def test_an_angle_is_differentiated_across_its_cut():
     seen = observed_slopes(upright, upright.p, Number("theta0"), run, rates)
     assert seen["theta"] == pytest.approx([1.0], rel=1e-10)
     assert abs(float(upright.p.theta0) - np.pi) < float(Fraction(1, 512))
+
+
+@pytest.mark.parametrize(("height", "most"), [("1", 1e-11), ("1/1024", 1e-9)])
+def test_what_rounding_leaves_of_a_slope_grows_as_a_number_is_felt_less(height, most):
+    # y = height + R is rounded by u y, and moved by a part of the height: the error is u y/height.
+    ball = discovery.case("bouncing-ball").at(height=height, radius="1")
+    number = Number("height")
+    rates = scene_rates(ball, ball.p, number)
+    body = ball.scene.bodies
+    slopes = {key: np.zeros((1, 1, 13)) for key in rates}
+    slopes["scene.bodies.0.position.1"][..., 1] = 1.0
+    start = body.position[None], body.velocity[None]
+    run = Trajectory.of_points(np.array([0.0]), *start, derivatives=slopes)
+    seen = observed_slopes(ball, ball.p, number, run, rates)
+    rounding = rounding_of_slopes(ball, ball.p, number, run, rates)
+    error = abs(seen["y"][0] - 1.0) / ball.quantities["y"].scale
+    unit = 1.0 / ball.quantities["y"].scale
+    assert error <= rounding < most * unit
