@@ -14,7 +14,7 @@ PIP := $(BIN)/pip --disable-pip-version-check install --quiet
 # Nothing is installed of which requirements.lock does not have the digest.
 HASHED := $(PIP) --require-hashes --requirement
 # What the wheel is made of. Generated Python (caches, kernels built in place) does not count.
-SOURCES := pyproject.toml meson.build ci/list-sources.py README.md LICENSE $(shell find refdem validation -type f \
+SOURCES := pyproject.toml meson.build ci/packaging/list-sources.py README.md LICENSE $(shell find refdem validation -type f \
 	-not -path '*/__pycache__/*' -not -name '*.so' -not -name '.*')
 # A file that is gone changes the list, and so the wheel.
 $(shell mkdir -p build && echo '$(SOURCES)' | cmp -s - build/sources.txt || echo '$(SOURCES)' >build/sources.txt)
@@ -55,7 +55,7 @@ test: .venv/refdem .venv/for-tests
 test-all: lint docs sanitized certify-sample test-elsewhere test-touched
 
 sanitized: .venv/refdem .venv/for-all
-	ci/sanitized $(BIN)/python $(JOBS)
+	ci/testing/sanitized $(BIN)/python $(JOBS)
 
 certify-sample: .venv/refdem
 	$(BIN)/refdem certify --check --jobs $(JOBS)
@@ -64,12 +64,12 @@ test-elsewhere: .venv/refdem .venv/for-all codes
 	$(BIN)/pytest $(ELSEWHERE) -n $(JOBS) $(TIMES) --dist loadfile
 
 test-touched: .venv/refdem .venv/for-tests
-	faults=$$($(BIN)/python ci/touched_faults.py) && \
+	faults=$$($(BIN)/python ci/testing/touched_faults.py) && \
 	if [ -n "$$faults" ]; then REFDEM_FAULTS="$$faults" $(BIN)/pytest $(MATRIX) -n $(JOBS) $(TIMES) --dist loadfile; \
 	else echo 'no fault of the matrix can be touched by this change'; fi
 
 test-machines: .venv/refdem .venv/for-tests
-	PATH="$(CURDIR)/$(BIN):$$PATH" $(BIN)/python ci/test_machines.py --jobs $(JOBS)
+	PATH="$(CURDIR)/$(BIN):$$PATH" $(BIN)/python ci/testing/test_machines.py --jobs $(JOBS)
 
 nightly: test test-all
 	$(BIN)/pytest $(MATRIX) -n $(JOBS) $(TIMES) --dist loadfile
@@ -84,10 +84,10 @@ nightly: test test-all
 	$(MAKE) field
 
 mutants: .venv/refdem .venv/for-mutants
-	PATH="$(CURDIR)/$(BIN):$$PATH" $(BIN)/python ci/mutants.py --jobs $(JOBS)
+	PATH="$(CURDIR)/$(BIN):$$PATH" $(BIN)/python ci/mutants/mutants.py --jobs $(JOBS)
 
 kernel-lines: .venv/refdem .venv/for-mutants
-	PATH="$(CURDIR)/$(BIN):$$PATH" $(BIN)/python ci/kernel_lines.py
+	PATH="$(CURDIR)/$(BIN):$$PATH" $(BIN)/python ci/mutants/kernel_lines.py
 
 # By itself and at night: counting lines slows the tests down by more than a tenth.
 coverage: .venv/refdem .venv/for-mutants
@@ -100,12 +100,12 @@ coverage: .venv/refdem .venv/for-mutants
 # Then programs that are right at settings drawn over the whole range; `make alarms PAIRS=20000` for a night.
 alarms: .venv/refdem .venv/for-tests
 	REFDEM_SEEDS=$(SEEDS) $(BIN)/pytest tests/properties/test_every_row.py -k drawn -n $(JOBS) $(TIMES)
-	$(BIN)/python ci/alarms.py --pairs $(PAIRS)
+	$(BIN)/python ci/fuzz/alarms.py --pairs $(PAIRS)
 
 # Inputs that are wrong: `make fuzz MINUTES=10` for so long from the seed of the day, and what it learns goes
 # into tests/corpus; without MINUTES the same so many every time, as in CI.
 fuzz: .venv/refdem .venv/for-tests
-	$(BIN)/python ci/fuzz.py $(if $(MINUTES),--minutes $(MINUTES) --grow,--inputs 15000 --seed 1)
+	$(BIN)/python ci/fuzz/fuzz.py $(if $(MINUTES),--minutes $(MINUTES) --grow,--inputs 15000 --seed 1)
 
 certify: .venv/refdem
 	$(BIN)/refdem certify --folder validation/truth --jobs $(JOBS)
@@ -126,7 +126,7 @@ codes: .venv-codes/made
 
 # At night: an environment of its own for each code, and a gate each.
 field: .venv/refdem
-	$(BIN)/python ci/field.py $(CODES)
+	$(BIN)/python ci/field/field.py $(CODES)
 
 lint: .venv/for-all
 	$(BIN)/ruff check
@@ -135,16 +135,16 @@ lint: .venv/for-all
 	$(BIN)/mypy
 	$(BIN)/lint-imports
 	$(BIN)/codespell $$(git ls-files '*.md' '*.ipynb')
-	$(BIN)/python ci/density.py
+	$(BIN)/python ci/develop/density.py
 
 develop: .venv/for-all
-	ci/build-in-place $(BIN)/python
+	ci/develop/build-in-place $(BIN)/python
 	$(BIN)/pip --disable-pip-version-check uninstall --quiet --yes refdem
 	rm -f .venv/refdem
-	ci/run-from-tree $(BIN)/python
+	ci/develop/run-from-tree $(BIN)/python
 
 lock:
-	ci/lock $(PYTHON) --upgrade
+	ci/packaging/lock $(PYTHON) --upgrade
 
 clean:
 	rm -rf .venv .venv-codes .venv-field build dist
@@ -155,28 +155,28 @@ clean:
 	$(PYTHON) -m venv .venv
 	touch $@
 
-.venv/for-runs: .venv/made pyproject.toml requirements.lock ci/dependencies.py $(wildcard refdem/engines/*/requirements.in)
-	$(BIN)/python ci/dependencies.py --locked engines >.venv/wanted.txt
+.venv/for-runs: .venv/made pyproject.toml requirements.lock ci/packaging/dependencies.py $(wildcard refdem/engines/*/requirements.in)
+	$(BIN)/python ci/packaging/dependencies.py --locked engines >.venv/wanted.txt
 	$(HASHED) .venv/wanted.txt
 	touch $@
 
 .venv/for-tests: .venv/for-runs
-	$(BIN)/python ci/dependencies.py --locked test bench distributed >.venv/wanted.txt
+	$(BIN)/python ci/packaging/dependencies.py --locked test bench distributed >.venv/wanted.txt
 	$(HASHED) .venv/wanted.txt
 	touch $@
 
 .venv/for-all: .venv/for-tests
-	$(BIN)/python ci/dependencies.py --locked browser lint >.venv/wanted.txt
+	$(BIN)/python ci/packaging/dependencies.py --locked browser lint >.venv/wanted.txt
 	$(HASHED) .venv/wanted.txt
 	touch $@
 
 .venv/for-docs: .venv/for-all
-	$(BIN)/python ci/dependencies.py --locked docs >.venv/wanted.txt
+	$(BIN)/python ci/packaging/dependencies.py --locked docs >.venv/wanted.txt
 	$(HASHED) .venv/wanted.txt
 	touch $@
 
 .venv/for-mutants: .venv/for-all
-	$(BIN)/python ci/dependencies.py --locked mutants >.venv/wanted.txt
+	$(BIN)/python ci/packaging/dependencies.py --locked mutants >.venv/wanted.txt
 	$(HASHED) .venv/wanted.txt
 	touch $@
 
@@ -187,7 +187,7 @@ clean:
 	.venv-codes/bin/pip --disable-pip-version-check install --quiet --require-hashes --requirement $<
 	touch $@
 
-# Built in a folder as deep as that of ci/build-in-place, ccache finds there what was compiled here, and the other way round.
+# Built in a folder as deep as that of ci/develop/build-in-place, ccache finds there what was compiled here, and the other way round.
 .venv/refdem: .venv/for-runs build/sources.txt $(SOURCES)
 	rm -rf build/wheel
 	PATH="$(CURDIR)/$(BIN):$$PATH" $(PIP) --no-deps --no-build-isolation --force-reinstall -Cbuild-dir=build/wheel .

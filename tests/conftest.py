@@ -22,7 +22,7 @@ from refdem.cli import main
 from refdem.planning import in_process
 
 # Examples depend on no clock (a busy machine is slow) and are the same in every run;
-# `ci/test-machines` asks for others.
+# `ci/testing/test_machines.py` asks for others.
 settings.register_profile(
     "refdem", deadline=None, derandomize=True, suppress_health_check=[HealthCheck.too_slow]
 )

@@ -15,7 +15,7 @@
 /* Before a function: all that it calls becomes part of it, and the processor that it meets
  * (AVX-512, AVX2 with FMA, or any) chooses among its versions when the extension is loaded.
  * Instrumented code cannot choose so early. REFDEM_ONE_CPU=x86-64-v3 builds one version alone, so
- * that a test can hold each of them on one processor (ci/test-machines). */
+ * that a test can hold each of them on one processor (ci/testing/test_machines.py). */
 #ifdef REFDEM_ONE_CPU
 #define REFDEM_AS_TEXT(words) #words
 #define REFDEM_OF_ARCH(name) "arch=" REFDEM_AS_TEXT(name)

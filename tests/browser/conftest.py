@@ -25,7 +25,7 @@ def browser():
         or shutil.which("chromium-browser")
         or shutil.which("google-chrome")
     )
-    assert path, "no Chromium here: run ci/system-packages"
+    assert path, "no Chromium here: run ci/packaging/system-packages"
     with sync_playwright() as playwright:
         chromium = playwright.chromium.launch(executable_path=path, args=list(ARGUMENTS))
         yield chromium

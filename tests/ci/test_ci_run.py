@@ -27,9 +27,9 @@ MAKE = '#!/bin/sh\necho "made $*"\ncase " $BROKEN " in *" $* "*) exit 3 ;; esac\
 @pytest.fixture
 def place(tmp_path: Path) -> Path:
     """A tree in which make, and the packages of the system, are there in name only."""
-    for name, text in {"bin/make": MAKE, "ci/system-packages": "#!/bin/sh\n"}.items():
+    for name, text in {"bin/make": MAKE, "ci/packaging/system-packages": "#!/bin/sh\n"}.items():
         path = tmp_path / name
-        path.parent.mkdir()
+        path.parent.mkdir(parents=True)
         path.write_text(text)
         path.chmod(0o755)
     (tmp_path / ".ci").mkdir()

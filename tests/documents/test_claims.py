@@ -17,14 +17,14 @@ def printed(*command: str) -> str:
 
 def test_the_errors_of_yades_algorithm_are_those_of_its_twin() -> None:
     findings = (ROOT / "reports" / "findings.md").read_text()
-    rows = printed("ci/yade_twin.py").splitlines()
+    rows = printed("ci/field/yade_twin.py").splitlines()
     assert len(rows) == 3
     for row in rows:
         assert row in findings
 
 
 def test_goals_of_the_bench_are_read_from_its_tables() -> None:
-    printed("ci/bench_goals.py", "--check")
+    printed("ci/bench/bench_goals.py", "--check")
 
 
 def test_what_is_said_of_gases_is_what_the_table_of_gases_has() -> None:

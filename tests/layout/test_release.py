@@ -31,7 +31,7 @@ def test_the_version_is_the_same_everywhere() -> None:
     built = re.search(r"^  version: '(.*)',$", (ROOT / "meson.build").read_text(), re.MULTILINE)
     assert built
     cited = document(ROOT / "CITATION.cff")
-    recipe = document(ROOT / "ci" / "conda" / "recipe.yaml")
+    recipe = document(ROOT / "ci" / "packaging" / "conda" / "recipe.yaml")
     versions = {project["version"], built[1], cited["version"], recipe["context"]["version"]}
     assert versions == {refdem.__version__}
     assert cited["license"] == project["license"]

@@ -1,7 +1,7 @@
 """The whole kill matrix, in two halves that two workers share.
 
 REFDEM_FAULTS has the names of faults that a change can touch, separated by commas
-(ci/touched_faults.py): these run at every seed. With
+(ci/testing/touched_faults.py): these run at every seed. With
 `all`, for a change that can touch every fault, each half has one seed; without it, as in `make
 nightly`, the matrix is whole.
 """

@@ -19,7 +19,7 @@ from rattler_build import (
 )
 
 ROOT = Path(__file__).parents[2]
-RECIPE = ROOT / "ci" / "conda" / "recipe.yaml"
+RECIPE = ROOT / "ci" / "packaging" / "conda" / "recipe.yaml"
 PYPROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text())
 PROJECT = PYPROJECT["project"]
 PYTHON = f"python{PROJECT['requires-python']}"
@@ -73,7 +73,7 @@ def package(tmp_path_factory: pytest.TempPathFactory) -> Package:
         name: value for name, value in os.environ.items() if not name.startswith("PYTHON")
     }
     subprocess.run(
-        [sys.executable, "ci/conda_package.py", str(folder)],
+        [sys.executable, "ci/packaging/conda_package.py", str(folder)],
         cwd=ROOT,
         env=environment,
         check=True,

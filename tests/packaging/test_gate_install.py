@@ -34,7 +34,8 @@ def checkout(tmp_path: Path) -> Path:
     home = tmp_path / "refdem"
     (home / "ci" / "gate").mkdir(parents=True)
     shutil.copy(ROOT / "ci" / "gate" / "install", home / "ci" / "gate" / "install")
-    (home / "ci" / "dependencies.py").write_text("")
+    (home / "ci" / "packaging").mkdir()
+    (home / "ci" / "packaging" / "dependencies.py").write_text("")
     (home / "backend.py").write_text(BACKEND)
     (home / "pyproject.toml").write_text(
         '[build-system]\nrequires = []\nbuild-backend = "backend"\nbackend-path = ["."]\n'

@@ -17,9 +17,9 @@ EXTRAS = ["every"]
 
 
 def needed(*arguments: str) -> str:
-    """What ci/dependencies.py prints."""
+    """What ci/packaging/dependencies.py prints."""
     done = subprocess.run(
-        [sys.executable, "ci/dependencies.py", *arguments],
+        [sys.executable, "ci/packaging/dependencies.py", *arguments],
         cwd=ROOT,
         check=True,
         capture_output=True,
@@ -80,7 +80,7 @@ def test_whatever_installs_asks_for_digests() -> None:
     for name, line in lines:
         is_of_make = line.startswith("PIP := ")
         is_itself = "--no-deps --no-build-isolation" in line
-        is_maker = name == "ci/lock" and line.endswith(" uv")
+        is_maker = name == "ci/packaging/lock" and line.endswith(" uv")
         asks = "--require-hashes" in line
         assert is_of_make or is_itself or is_maker or asks, f"{name}: {line}"
     made = (ROOT / "Makefile").read_text()

@@ -106,7 +106,7 @@ class Tree:
         return {line[3:] for line in lines}
 
     def built(self, family: str) -> None:
-        """Builds one kernel beside its source, as ci/build-in-place does with all."""
+        """Builds one kernel beside its source, as ci/develop/build-in-place does with all."""
         self.said("meson", "setup", "build/dev")
         made = f"_{family}{sysconfig.get_config_var('EXT_SUFFIX')}"
         self.said("ninja", "-C", "build/dev", made)

@@ -38,7 +38,7 @@ def build(place):
         "PATH": f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}"
     }
     subprocess.run(
-        [str(place / "ci" / "build-in-place"), sys.executable],
+        [str(place / "ci" / "develop" / "build-in-place"), sys.executable],
         env=environment,
         check=True,
         capture_output=True,

@@ -305,7 +305,7 @@ FORMER = [
 
 def drawn(pairs: int, seed: int) -> Count:
     """Pairs judged with a seed that is printed."""
-    print(f"repeat with: .venv/bin/python ci/alarms.py --pairs {pairs} --seed {seed}")
+    print(f"repeat with: .venv/bin/python ci/fuzz/alarms.py --pairs {pairs} --seed {seed}")
     count = alarms.alarms(pairs, seed, SECONDS)
     print(count.summary())
     return count

@@ -55,7 +55,9 @@ def working(name: str) -> str:
         found = shutil.which(name, path=folder)
         if found and subprocess.run([found, "--version"], capture_output=True).returncode == 0:
             return found
-    raise RuntimeError(f"no {name} that starts is on the path; ci/system-packages installs one")
+    raise RuntimeError(
+        f"no {name} that starts is on the path; ci/packaging/system-packages installs one"
+    )
 
 
 def built(folder: Path, language: str) -> None:

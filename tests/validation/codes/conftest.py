@@ -23,7 +23,8 @@ CODES = ROOT / "validation/codes"
 class Gates:
     """Gates with one store of truths;
 
-    `make codes` and ci/system-packages install the codes, and tests fail where one is not there.
+    `make codes` and ci/packaging/system-packages install the codes, and tests fail where one is not
+    there.
     """
 
     home: Path
