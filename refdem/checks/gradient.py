@@ -13,6 +13,8 @@ of first variation by the same method, so that they have its order: the error of
 
 and where the error falls as h^p, what the last halvings of the step change tells it as it does for
 a state (checks/error.py): e(h/2) = |D(h) - D(h/2)| / (2^p - 1).
+
+A step that is left out is an error of order h, which shows where p is 2 or more.
 """
 
 from collections.abc import Mapping, Sequence
@@ -38,7 +40,12 @@ from refdem.core.judgement import (
     undecided,
 )
 from refdem.core.refinement import COUNTING_FLOOR, kinked, scored
-from refdem.core.scene_numbers import observed_slopes, rounding_of_slopes, scene_rates
+from refdem.core.scene_numbers import (
+    CaseNumber,
+    known_rates,
+    observed_slopes,
+    rounding_of_slopes,
+)
 from refdem.core.truth import SampledTruth
 from refdem.core.variant import Variant
 from refdem.errors import NotCertifiedError
@@ -202,7 +209,7 @@ def _lacking(
 ) -> Finding | None:
     """The failure of a run that has no derivatives by some number that was asked for, or None."""
     for number in matrix.numbers:
-        rates = scene_rates(subject.instance, matrix.p, number) or {}
+        rates = _rates(subject, matrix, number) or {}
         for level in subject.levels:
             run = runs[Variant(level, "differentiated")].trajectory
             for key in rates:
@@ -212,6 +219,14 @@ def _lacking(
                         check="gradient", quantity="matrix", outcome="fail", sentence=says
                     )
     return None
+
+
+def _rates(
+    subject: Subject, matrix: CertifiedMatrix, number: CaseNumber
+) -> dict[str, float] | None:
+    """The derivatives of the scene by a number of the case by which the method differentiates."""
+    start_only = subject.method.start_only
+    return known_rates(subject.instance, matrix.p, number, start_only=start_only)
 
 
 def _scatters(subject: Subject) -> bool:
@@ -253,7 +268,7 @@ def _columns(
     rounding = subject.floor(subject.levels[-1]) * truth.growth()[list(samples)] + DIFFERENCES
     columns = []
     for number in matrix.numbers:
-        rates = scene_rates(subject.instance, matrix.p, number)
+        rates = _rates(subject, matrix, number)
         proved = [of_time for of_time in matrix.of if number.name in next(iter(of_time.values()))]
         if rates is None or len(proved) < len(samples):
             continue

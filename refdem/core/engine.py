@@ -44,6 +44,9 @@ class Method:
     threads: `Request.threads` may be above 1, and any number of threads gives the same bits.
     differentiates: a run comes with the derivatives of its states by numbers of the scene, where
     `Request.sensitivities` names some.
+    start_only: it differentiates by numbers of the start alone: positions, velocities, attitudes
+    and omegas of bodies.
+    by_name: it runs only where its name is asked for, and so in no campaign of all methods.
     as_shipped: the engine's own defaults are left alone, as a user meets them who says the scene
     and no more. It runs where a campaign asks for it (`as_shipped = true`), or by its name.
     knows: for questions without time, the features that it can answer; it leaves out others.
@@ -77,6 +80,8 @@ class Method:
     deterministic: bool = True
     threads: bool = False
     differentiates: bool = False
+    start_only: bool = False
+    by_name: bool = False
     as_shipped: bool = False
     cost_rank: int = 0
     answers: str = "motion"
@@ -203,10 +208,13 @@ class Engine(ABC):
         """Runs one request in the engine's native loop."""
 
     def chosen_methods(self, name: str = "", *, as_shipped: bool = False) -> list[Method]:
-        """The methods of that name; without a name all, those as shipped only if asked for."""
+        """The methods of that name; without a name all that do not need one, those as shipped only
+        if asked for.
+        """
         if name:
             return [method for method in self.methods if method.name == name]
-        return [method for method in self.methods if as_shipped or not method.as_shipped]
+        unnamed = [method for method in self.methods if not method.by_name]
+        return [method for method in unnamed if as_shipped or not method.as_shipped]
 
     def method(self, name: str) -> Method:
         """The method that has the given name; UsageError if there is none."""

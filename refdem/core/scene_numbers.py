@@ -109,6 +109,26 @@ def scene_rates(instance: Instance, p: Parameters, number: CaseNumber) -> dict[s
     return {key: rate for key, rate in rates.items() if rate}
 
 
+def known_rates(
+    instance: Instance, p: Parameters, number: CaseNumber, *, start_only: bool
+) -> dict[str, float] | None:
+    """The derivatives ds/dp as in `scene_rates`; None also where the number acts on more than the
+    start and a method differentiates by numbers of the `start_only`.
+    """
+    rates = scene_rates(instance, p, number)
+    if rates is None:
+        return None
+    if start_only and not all(is_of_start(key) for key in rates):
+        return None
+    return rates
+
+
+def is_of_start(key: str) -> bool:
+    """True for a number of the state of a body, such as `scene.bodies.0.position.1`."""
+    words = key.split(".")
+    return words[1] == "bodies" and words[3] in STATE
+
+
 def keys_of(rates: Mapping[str, Mapping[str, float] | None], scene: Scene) -> tuple[str, ...]:
     """The numbers of a scene on which some number of the case acts, in their order."""
     acting = {key for of_number in rates.values() for key in of_number or ()}

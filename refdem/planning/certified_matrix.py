@@ -8,7 +8,8 @@ from functools import cache
 from refdem.core import discovery
 from refdem.core.case import Instance
 from refdem.core.check import CertifiedMatrix, Subject
-from refdem.core.scene_numbers import keys_of, scene_rates
+from refdem.core.engine import Method
+from refdem.core.scene_numbers import keys_of, known_rates
 from refdem.truth.sensitivities import numbers_of, sensitivities
 
 DIGITS = 17
@@ -41,8 +42,13 @@ def _proved(case: str, given: Given, times: tuple[float, ...]) -> CertifiedMatri
     return CertifiedMatrix(p, tuple(numbers_of(p)), tuple(of))
 
 
-def asked_numbers(instance: Instance) -> tuple[str, ...]:
-    """The keys of the numbers of the scene on which some number of the case acts."""
+def asked_numbers(instance: Instance, method: Method) -> tuple[str, ...]:
+    """The keys of the numbers of the scene on which some number of the case acts, as far as the
+    method differentiates by them.
+    """
     p = instance.case.written_out(instance.p)
-    rates = {number.name: scene_rates(instance, p, number) for number in numbers_of(p)}
+    rates = {}
+    for number in numbers_of(p):
+        known = known_rates(instance, p, number, start_only=method.start_only)
+        rates[number.name] = known
     return keys_of(rates, instance.scene)

@@ -386,7 +386,7 @@ def request(
     if variant.change == "threads":
         return replace(plain, threads=variant.amount)
     if variant.change == "differentiated":
-        return replace(plain, sensitivities=asked_numbers(task.subject.instance))
+        return replace(plain, sensitivities=asked_numbers(task.subject.instance, task.method))
     if variant.change == "perturbed":
         return replace(plain, problem=problem.perturbed(variant.amount))
     if not isinstance(problem, Motion):

@@ -72,6 +72,17 @@ EULER_AS_SHIPPED = replace(
     complete_state=False,
     as_shipped=True,
 )
+EULER_DERIVATIVES = replace(
+    EULER,
+    name="euler-derivatives",
+    summary=(
+        "the same, with derivatives by the start: `mjd_transitionFD`, MuJoCo's differences of its"
+        " own step, chained over the steps"
+    ),
+    differentiates=True,
+    start_only=True,
+    by_name=True,
+)
 METHODS = (
     Method(
         name="rk4",
@@ -89,6 +100,7 @@ METHODS = (
     ),
     EULER,
     EULER_AS_SHIPPED,
+    EULER_DERIVATIVES,
     Method(
         name="implicitfast",
         summary=(
@@ -134,6 +146,7 @@ INTEGRATORS = {
     "rk4": "mjINT_RK4",
     "euler": "mjINT_EULER",
     "euler-as-shipped": "mjINT_EULER",
+    "euler-derivatives": "mjINT_EULER",
     "implicitfast": "mjINT_IMPLICITFAST",
 }
 
@@ -141,3 +154,8 @@ INTEGRATORS = {
 def is_tuned(method: str) -> bool:
     """False for the method that leaves MuJoCo's defaults alone."""
     return method != EULER_AS_SHIPPED.name
+
+
+def differentiates(method: str) -> bool:
+    """True for the method that answers with derivatives."""
+    return method == EULER_DERIVATIVES.name

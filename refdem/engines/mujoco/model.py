@@ -4,6 +4,7 @@ MuJoCo moves bodies by joints. `Freedom` is the joint, or joints, of one body: f
 free, or about a hinge or ball. A body of the MjSpec (MjsBody) is called `mj_body` here.
 """
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -11,7 +12,7 @@ import numpy as np
 from refdem.core.problem import Request
 from refdem.engines.mujoco import belts, contacts, options, solver
 from refdem.engines.mujoco.ball import BallFreedom
-from refdem.engines.mujoco.claims import is_tuned
+from refdem.engines.mujoco.claims import differentiates, is_tuned
 from refdem.engines.mujoco.joints import Fixed, Freedom, Slides
 from refdem.engines.mujoco.passive import is_passive
 from refdem.engines.mujoco.turning import Free, Hinge
@@ -33,10 +34,10 @@ def compiled(request: Request) -> tuple[Any, list[Freedom]]:
     scene = request.problem.scene
     step = request.step or 0.0
     tuned = is_tuned(request.method)
+    freedoms = freedoms_of(scene, request.method, step)
     spec = mujoco.MjSpec()
     options.set_compiler(mujoco, spec)
     options.set_options(mujoco, spec, scene, request.method, step)
-    freedoms = [_freedom(scene, number, step, tuned=tuned) for number in range(len(scene.bodies))]
     mj_bodies = _bodies(mujoco, spec, freedoms)
     contacts.add(mujoco, spec, scene, mj_bodies, step, tuned=tuned)
     belts.add(mujoco, spec, scene, mj_bodies, step)
@@ -50,6 +51,20 @@ def compiled(request: Request) -> tuple[Any, list[Freedom]]:
             objname=f"rod on {rod.a}",
         )
     return spec.compile(), freedoms
+
+
+def freedoms_of(scene: Scene, method: str, step: float) -> list[Freedom]:
+    """The joints of each body. With derivatives, what slides does so along three axes: a number of
+    the start that is 0 moves the body as well.
+    """
+    tuned = is_tuned(method)
+    freedoms = [_freedom(scene, number, step, tuned=tuned) for number in range(len(scene.bodies))]
+    if not differentiates(method):
+        return freedoms
+    return [
+        replace(freedom, dimension=3) if isinstance(freedom, Slides) else freedom
+        for freedom in freedoms
+    ]
 
 
 def _bodies(mujoco: Any, spec: Any, freedoms: list[Freedom]) -> list[Any]:

@@ -1,5 +1,7 @@
 """One run: the scene compiled, stepped in MuJoCo's own loop, and read in numpy."""
 
+from dataclasses import replace
+from functools import partial
 from time import perf_counter
 from typing import Any
 
@@ -7,7 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from refdem.core.problem import Request
-from refdem.core.trajectory import Cost, Trajectory
+from refdem.core.trajectory import STATE, Cost, Trajectory
+from refdem.engines.mujoco import derivatives
 from refdem.engines.mujoco.belts import press
 from refdem.engines.mujoco.joints import Freedom
 from refdem.engines.mujoco.loop import clock_address, recorded
@@ -39,8 +42,16 @@ def run(request: Request) -> tuple[Trajectory, Cost]:
             )  # raises here what would end the process in the loop
             setup = perf_counter() - began
             rows, seconds = recorded(model, data, request)
+            tangents = None
+            if request.sensitivities:
+                tangents = derivatives.chained(mujoco, model, data, request, rows)
         _refuse_warnings(data, warnings)
         trajectory = _trajectory(mujoco, model, freedoms, rows)
+        if tangents is not None:
+            started = partial(_start, model)
+            read = partial(_states, model, freedoms)
+            slopes = derivatives.of_states(mujoco, model, request, rows, tangents, started, read)
+            trajectory = replace(trajectory, derivatives=slopes)
     except (mujoco.FatalError, mujoco.UnexpectedError, ValueError) as error:
         raise EngineError(f"mujoco: {error}") from None
     finally:
@@ -52,17 +63,23 @@ def run(request: Request) -> tuple[Trajectory, Cost]:
 def _started(mujoco: Any, model: Any, freedoms: list[Freedom], request: Request) -> Any:
     """MjData at the scene's state and the first time."""
     data = mujoco.MjData(model)
+    data.qpos[:], data.qvel[:] = _start(model, freedoms)
+    data.time = float(request.problem.times[0])
+    press(request.problem.scene, data)
+    return data
+
+
+def _start(model: Any, freedoms: list[Freedom]) -> tuple[Array, Array]:
+    """All coordinates (nq,) and velocities (nv,) at the start."""
+    all_q = np.zeros(model.nq)
+    all_v = np.zeros(model.nv)
     for number, freedom in enumerate(freedoms):
         q, v = _columns(model, freedoms, number)
         # The body's own coordinates come last, after those of the bodies that it hangs from.
         own_q = q[len(q) - freedom.nq :]
         own_v = v[len(v) - freedom.nv :]
-        coordinates, velocities = freedom.start()
-        data.qpos[own_q] = coordinates
-        data.qvel[own_v] = velocities
-    data.time = float(request.problem.times[0])
-    press(request.problem.scene, data)
-    return data
+        all_q[own_q], all_v[own_v] = freedom.start()
+    return all_q, all_v
 
 
 def _refuse_warnings(data: Any, warnings: list[str]) -> None:
@@ -75,18 +92,20 @@ def _trajectory(mujoco: Any, model: Any, freedoms: list[Freedom], rows: Array) -
     """The recorded rows (T, nq + nv + 1) of coordinates, velocities and clock as a trajectory."""
     q = rows[:, : model.nq]
     v = rows[:, model.nq : -1]
-    bodies = []
-    for number, freedom in enumerate(freedoms):
-        q_columns, v_columns = _columns(model, freedoms, number)
-        bodies.append(freedom.read(q[:, q_columns], v[:, v_columns]))
-    columns: Any = {
-        name: np.stack([getattr(body, name) for body in bodies], axis=1)
-        for name in ("position", "velocity", "attitude", "omega")
-    }
+    columns: Any = _states(model, freedoms, q, v)
     channels = {}
     if any(isinstance(freedom, Hinge) for freedom in freedoms):
         channels["rod_force"] = _rod_force(mujoco, model, q, v)
     return Trajectory(t=np.ascontiguousarray(rows[:, -1]), channels=channels, **columns)
+
+
+def _states(model: Any, freedoms: list[Freedom], q: Array, v: Array) -> dict[str, Array]:
+    """The states of all bodies by column (T, N, ...) from coordinates and velocities."""
+    bodies = []
+    for number, freedom in enumerate(freedoms):
+        q_columns, v_columns = _columns(model, freedoms, number)
+        bodies.append(freedom.read(q[:, q_columns], v[:, v_columns]))
+    return {name: np.stack([getattr(body, name) for body in bodies], axis=1) for name in STATE}
 
 
 def _columns(model: Any, freedoms: list[Freedom], number: int) -> tuple[list[int], list[int]]:

@@ -11,7 +11,7 @@ from refdem.core.refusal import adapter_lacks, engine_cannot
 from refdem.engines.mujoco import contacts, links, solver
 from refdem.engines.mujoco.ball import of_ball_joints
 from refdem.engines.mujoco.belts import belts
-from refdem.engines.mujoco.claims import is_tuned
+from refdem.engines.mujoco.claims import differentiates, is_tuned
 from refdem.engines.mujoco.passive import of_passive
 from refdem.engines.mujoco.shapes import box_sides, effective_masses
 from refdem.scene import Polyhedron, Scene
@@ -69,6 +69,8 @@ def unsupported(problem: Motion, method: str = "rk4") -> str | None:
     scene = problem.scene
     if not is_tuned(method) and (reason := _as_shipped(scene)):
         return reason
+    if differentiates(method) and (scene.is_kinked() or "contact" in scene.features):
+        return adapter_lacks("derivatives through contact, dry friction and other kinks")
     if problem.interval < 0:
         return engine_cannot(
             "negative time steps: MuJoCo accepts them but does not document their meaning"
