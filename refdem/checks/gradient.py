@@ -47,6 +47,7 @@ from refdem.core.scene_numbers import (
     rounding_of_slopes,
     scene_rates,
 )
+from refdem.core.trajectory import Trajectory
 from refdem.core.truth import SampledTruth
 from refdem.core.variant import Variant
 from refdem.errors import NotCertifiedError
@@ -63,6 +64,8 @@ FELT = 2.0**-10
 """Size of a column, in scales a part of the number, below which a number is not felt: its
 derivatives are then judged on the scale of a number that changes quantities by so much.
 """
+LARGEST = 1e250
+"""Size of a derivative from which on sums and products with scales may overflow."""
 TOLERANCE = 0.5
 """Deficit of the order of derivatives that is allowed. Terms of higher order are larger in
 derivatives than in states, and a derivative of lower order lacks a whole order.
@@ -208,18 +211,35 @@ class Gradient(Check):
 def _lacking(
     subject: Subject, runs: Mapping[Variant, CompletedRun], matrix: CertifiedMatrix
 ) -> Finding | None:
-    """The failure of a run that has no derivatives by some number that was asked for, or None."""
+    """The failure of a run that has no derivatives by some number that was asked for, or has such
+    as overflow; None if there is none.
+    """
     for number in matrix.numbers:
         rates = scene_rates(subject.instance, matrix.p, number) or {}
         for level in subject.levels:
             run = runs[Variant(level, "differentiated")].trajectory
             for key in rates:
-                if key not in run.derivatives:
-                    says = f"The run has no derivatives by {key}, which the request asked for."
+                says = _refusal(run, key)
+                if says:
                     return Finding(
                         check="gradient", quantity="matrix", outcome="fail", sentence=says
                     )
     return None
+
+
+def _refusal(run: Trajectory, key: str) -> str:
+    """Why the derivatives of a run by a number of the scene cannot be compared; empty if they can
+    be.
+    """
+    if key not in run.derivatives:
+        return f"The run has no derivatives by {key}, which the request asked for."
+    largest = float(np.max(np.abs(run.derivatives[key]), initial=0.0))
+    if largest > LARGEST:
+        return (
+            f"The run has a derivative by {key} of size {largest:.2g}; expected at most"
+            f" {LARGEST:g}, as sums of larger ones overflow."
+        )
+    return ""
 
 
 def _usable(columns: Sequence[Column]) -> list[float]:

@@ -227,6 +227,26 @@ def test_a_run_without_what_was_asked_for_fails():
     )
 
 
+class Huge(Transparent):
+    """The transparent engine, which answers with the largest numbers."""
+
+    def run(self, request):
+        """The run with derivatives whose sum overflows."""
+        trajectory, cost = super().run(request)
+        huge = {
+            key: np.full_like(slopes, 1.7e308) for key, slopes in trajectory.derivatives.items()
+        }
+        return replace(trajectory, derivatives=huge), cost
+
+
+def test_derivatives_that_overflow_fail():
+    matrix = found("bouncing-ball", Huge(), levels=1, **BALL)["matrix"]
+    assert matrix.outcome == "fail"
+    assert matrix.sentence.startswith(
+        "The run has a derivative by scene.bodies.0.mass of size 1.7e+308; expected at most 1e+250"
+    )
+
+
 def test_derivatives_that_are_not_certified_decide_nothing():
     instance = discovery.case("bouncing-ball").at(**BALL)
     truth = truth_of(instance)
