@@ -11,8 +11,11 @@ of first variation by the same method, so that they have its order: the error of
 
     PREDICTION_FACTOR bound(h) G_p,
 
-and where the error falls as h^p, what the last halvings of the step change tells it as it does for
-a state (checks/error.py): e(h/2) = |D(h) - D(h/2)| / (2^p - 1).
+or bound(h)/|p| where that is more: an error of the state that is a part bound(h) of its scale, and
+that varies with p as the motion does, changes by as much when p does by all of itself. Where the
+error falls as h^p, what the last halvings of the step change tells it as it does for a state
+(checks/error.py): e(h/2) = |D(h) - D(h/2)| / (2^p - 1). A program may take its derivatives by
+central differences of its runs: the rounding that these leave is allowed.
 
 A step that is left out is an error of order h, which shows where p is 2 or more.
 """
@@ -44,8 +47,10 @@ from refdem.core.scene_numbers import (
     CaseNumber,
     known_rates,
     observed_slopes,
+    rounding_of_differences,
     rounding_of_slopes,
 )
+from refdem.core.trajectory import Trajectory
 from refdem.core.truth import SampledTruth
 from refdem.core.variant import Variant
 from refdem.errors import NotCertifiedError
@@ -62,6 +67,8 @@ FELT = 2.0**-10
 """Size of a column, in scales a part of the number, below which a number is not felt: its
 derivatives are then judged on the scale of a number that changes quantities by so much.
 """
+LARGEST = 1e250
+"""Size of a derivative from which on sums and products with scales may overflow."""
 TOLERANCE = 0.5
 """Deficit of the order of derivatives that is allowed. Terms of higher order are larger in
 derivatives than in states, and a derivative of lower order lacks a whole order.
@@ -73,7 +80,8 @@ class Column:
     """The derivatives by one number of the case in units of their size, at the judged samples.
 
     `errors` and `slopes` (levels, quantities, samples) are those of every level, `floor` (samples,)
-    is what rounding may leave.
+    is what rounding may leave, `weak` (samples,) how much more the state may err than a column of
+    this size: 1/(|p| G_p), at least 1.
     """
 
     number: str
@@ -81,6 +89,7 @@ class Column:
     errors: Array
     slopes: Array
     floor: Array
+    weak: Array
 
 
 class Gradient(Check):
@@ -178,11 +187,9 @@ class Gradient(Check):
         """The finding on the order of the largest error of any derivative; None where no two levels
         have errors that show one.
         """
-        if subject.method.control != "step" or _scatters(subject):
+        if subject.method.control != "step" or kinked(subject.instance, subject.method):
             return None
-        largest = np.max([np.max(column.errors, axis=(1, 2)) for column in columns], axis=0)
-        floor = max(float(np.max(column.floor)) for column in columns)
-        usable = [e for e in largest.tolist() if COUNTING_FLOOR * floor < e < SMALL]
+        usable = _usable(columns)
         if len(usable) < 2:
             return None
         orders = [observed_order(coarse, fine) for coarse, fine in pairwise(usable)]
@@ -207,14 +214,16 @@ class Gradient(Check):
 def _lacking(
     subject: Subject, runs: Mapping[Variant, CompletedRun], matrix: CertifiedMatrix
 ) -> Finding | None:
-    """The failure of a run that has no derivatives by some number that was asked for, or None."""
+    """The failure of a run that has no derivatives by some number that was asked for, or has such
+    as overflow; None if there is none.
+    """
     for number in matrix.numbers:
         rates = _rates(subject, matrix, number) or {}
         for level in subject.levels:
             run = runs[Variant(level, "differentiated")].trajectory
             for key in rates:
-                if key not in run.derivatives:
-                    says = f"The run has no derivatives by {key}, which the request asked for."
+                says = _refusal(run, key)
+                if says:
                     return Finding(
                         check="gradient", quantity="matrix", outcome="fail", sentence=says
                     )
@@ -227,6 +236,35 @@ def _rates(
     """The derivatives of the scene by a number of the case by which the method differentiates."""
     start_only = subject.method.start_only
     return known_rates(subject.instance, matrix.p, number, start_only=start_only)
+
+
+def _refusal(run: Trajectory, key: str) -> str:
+    """Why the derivatives of a run by a number of the scene cannot be compared; empty if they can
+    be.
+    """
+    if key not in run.derivatives:
+        return f"The run has no derivatives by {key}, which the request asked for."
+    largest = float(np.max(np.abs(run.derivatives[key]), initial=0.0))
+    if largest > LARGEST:
+        return (
+            f"The run has a derivative by {key} of size {largest:.2g}; expected at most"
+            f" {LARGEST:g}, as sums of larger ones overflow."
+        )
+    return ""
+
+
+def _usable(columns: Sequence[Column]) -> list[float]:
+    """The largest error of any derivative at every level at which it is clear of rounding, of those
+    columns that are so at the most levels.
+    """
+    of_columns = []
+    for column in columns:
+        largest = np.max(column.errors, axis=(1, 2))
+        floor = COUNTING_FLOOR * float(np.max(column.floor))
+        of_columns.append(largest[(floor < largest) & (largest < SMALL)])
+    most = max(len(errors) for errors in of_columns)
+    clear = [errors for errors in of_columns if len(errors) == most]
+    return [float(error) for error in np.max(clear, axis=0)]
 
 
 def _scatters(subject: Subject) -> bool:
@@ -273,10 +311,14 @@ def _columns(
         if rates is None or len(proved) < len(samples):
             continue
         told = []
+        value = abs(float(number.of(matrix.p))) or 1.0
+        noise = subject.noise(subject.levels[-1])
         left = 0.0
         for level in subject.levels:
             run = runs[Variant(level, "differentiated")].trajectory
             left = max(left, rounding_of_slopes(subject.instance, matrix.p, number, run, rates))
+            of_program = rounding_of_differences(subject.instance, matrix.p, run, rates, noise)
+            left = max(left, of_program)
             told.append(observed_slopes(subject.instance, matrix.p, number, run, rates))
         names = tuple(name for name in told[0] if name in matrix.of[0] and name not in ATTITUDE)
         if not names:
@@ -284,14 +326,13 @@ def _columns(
         scales = np.array([subject.instance.quantities[name].scale for name in names])[:, None]
         proven = np.array([[row[name][number.name] for row in matrix.of] for name in names])
         sizes = np.maximum.accumulate(np.max(np.abs(proven[..., 0]) / scales, axis=0))
-        felt = FELT / (abs(float(number.of(matrix.p))) or 1.0)
-        sizes = np.maximum(sizes, felt)
+        sizes = np.maximum(sizes, FELT / value)
         unit = scales * sizes
         slopes = np.array([[of[name][list(samples)] for name in names] for of in told])
         errors = np.maximum(0.0, np.abs(slopes - proven[..., 0]) - proven[..., 1])
-        columns.append(
-            Column(number.name, names, errors / unit, slopes / unit, rounding + left / sizes)
-        )
+        floor = rounding + left / sizes
+        weak = np.maximum(1.0, 1.0 / (value * sizes))
+        columns.append(Column(number.name, names, errors / unit, slopes / unit, floor, weak))
     return columns
 
 
@@ -299,6 +340,7 @@ def _allowed(subject: Subject, column: Column, claimed: Array) -> Array:
     """The error (samples,) that is allowed at the finest level: the claimed one, or what the last
     halvings of the step imply if that is less; and rounding.
     """
+    claimed = claimed * column.weak
     allowed = claimed
     levels = len(subject.levels)
     if subject.method.control == "step" and levels >= 3 and not _scatters(subject):

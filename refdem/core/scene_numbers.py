@@ -43,6 +43,8 @@ ROUNDINGS = 8.0 * 2.0**-53
 """Error of a difference of WEIGHTS by rounding, for numbers of size 1: 110/60 times the roundings
 of a number that is observed, four of them.
 """
+BEST_STEP = 2.0 ** (-53 / 3)
+"""u^(1/3), the part of a number by which central differences move it for the least error."""
 
 
 class CaseNumber(Protocol):
@@ -187,6 +189,32 @@ def rounding_of_slopes(
     ROUNDINGS X/d. A number that moves a motion by a small part of its scales, and places that are
     far from the origin, leave the more of it.
     """
+    distance = _distance(instance, tangent(run, rates), _unit(p, number))
+    return ROUNDINGS * _largest(instance, p, run) / distance
+
+
+def rounding_of_differences(
+    instance: Instance,
+    p: Parameters,
+    run: Trajectory,
+    rates: Mapping[str, float],
+    noise: float,
+) -> float:
+    """Error of derivatives that a program takes by central differences of its own runs, which have
+    a relative `noise`, in scales of a quantity over the unit of a number with these `rates`.
+
+    With the best step h = u^(1/3) s of a number s, and of 1 where s is 0, rounding and the third
+    derivative leave noise X/h of states of X scales.
+    """
+    numbers = numbers_in(instance.scene)
+    steps = sum(abs(rate) / (abs(numbers[key]) or 1.0) for key, rate in rates.items())
+    return noise * _largest(instance, p, run) * steps / BEST_STEP
+
+
+def _largest(instance: Instance, p: Parameters, run: Trajectory) -> float:
+    """The largest number of a run, of its states and its quantities, in units of their scales; 1 if
+    that is less.
+    """
     scales = instance.scales
     sizes = [1.0]
     units = {"position": scales.length, "velocity": scales.speed, "omega": 1.0 / scales.tau}
@@ -195,8 +223,7 @@ def rounding_of_slopes(
     for name, values in instance.case.observe(p, run).items():
         if name in instance.quantities:
             sizes.append(float(np.max(np.abs(values))) / instance.quantities[name].scale)
-    distance = _distance(instance, tangent(run, rates), _unit(p, number))
-    return ROUNDINGS * max(sizes) / distance
+    return max(sizes)
 
 
 def displaced(run: Trajectory, change: Array) -> Trajectory:

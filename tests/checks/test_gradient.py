@@ -2,6 +2,7 @@
 them.
 """
 
+import json
 from dataclasses import replace
 
 import numpy as np
@@ -10,20 +11,22 @@ import pytest
 from refdem.checks.gradient import CHECK
 from refdem.core import discovery
 from refdem.core.problem import Request
+from refdem.core.scene_numbers import numbers_in
 from refdem.errors import NotCertifiedError
 from refdem.faults.catalogue import chosen
 from refdem.faults.transparent import Transparent
 from refdem.kills.trials import FaultTrial
 from refdem.planning.in_process import record_of, task_of, truth_of
+from refdem.scene import Scene
 
 ENGINE = Transparent()
 BALL = {"height": "2", "gravity": "8", "restitution": "1/2", "bounces": "1", "samples": "16"}
 
 
-def found(case, engine=ENGINE, levels=3, **given):
+def found(case, engine=ENGINE, levels=3, method="verlet-tangent", **given):
     """The findings of the check by quantity."""
     instance = discovery.case(case).at(**given)
-    task = task_of(engine, "verlet-tangent", instance, truth_of(instance), levels, ["gradient"])
+    task = task_of(engine, method, instance, truth_of(instance), levels, ["gradient"])
     return {finding.quantity: finding for finding in record_of(task).findings}
 
 
@@ -126,6 +129,87 @@ def test_the_sentence_names_the_derivative_that_is_wrong():
     assert 1e-4 < matrix.value < 1.1e-3
 
 
+class ByDifferences(Transparent):
+    """The transparent engine, with derivatives by central differences of its runs: each number is
+    moved by 1e-5 of itself. `factor` misreads those by `wrong`.
+    """
+
+    methods = tuple(replace(method, differentiates=True) for method in Transparent.methods)
+
+    def __init__(self, wrong="", factor=1.0):
+        super().__init__()
+        self.wrong = wrong
+        self.factor = factor
+
+    def unsupported_motion(self, problem, method):
+        """What the method itself refuses."""
+        return ENGINE.unsupported_motion(problem, ENGINE.method(method.name))
+
+    def run(self, request):
+        """The run, and the differences of two beside it for every number."""
+        trajectory, cost = ENGINE.run(replace(request, sensitivities=()))
+        derivatives = {}
+        for key in request.sensitivities:
+            derivatives[key] = self.difference(request, key)
+            if key == self.wrong:
+                derivatives[key] *= self.factor
+        return replace(trajectory, derivatives=derivatives), cost
+
+    def difference(self, request, key):
+        """The central difference of the states by one number."""
+        step = 1e-5 * (abs(numbers_in(request.problem.scene)[key]) or 1.0)
+        above = states_at(request, key, step)
+        below = states_at(request, key, -step)
+        return (above - below) / (2 * step)
+
+
+def states_at(request, key, change):
+    """The states of a run of the transparent engine with one number of the scene changed."""
+    document = json.loads(request.problem.scene.to_json())
+    *way, last = key.split(".")[1:]
+    place = document
+    for name in way:
+        place = place[int(name) if isinstance(place, list) else name]
+    last = int(last) if isinstance(place, list) else last
+    place[last] += change
+    problem = replace(request.problem, scene=Scene.from_json(json.dumps(document)))
+    run, _ = ENGINE.run(replace(request, problem=problem, sensitivities=()))
+    return np.concatenate([run.position, run.velocity, run.attitude, run.omega], axis=-1)
+
+
+FAINT = {"mu": "0.000278", "p": "0.0559", "drive": "39.1", "x0": "0.358", "duration": "0.02558"}
+"""Numbers that are hardly felt in so short a time."""
+WEDGE = {"k1": "8.36", "k2": "18.8", "duration": "0.3459"}
+"""The velocity errs by more of its small derivative by the mass than of its own scale."""
+FALL = {"height": "1", "gravity": "8", "duration": "2", "samples": "17"}
+"""A sample lies on the impact, and the method makes no error between impacts."""
+
+
+@pytest.mark.parametrize(
+    ("case", "method", "given"),
+    [
+        ("van-der-pol", "rk4", {"samples": "16", **FAINT}),
+        ("wedge-collision", "verlet", {"samples": "16", **WEDGE}),
+        ("bouncing-ball", "verlet", FALL),
+        ("duffing", "rk4", {"duration": "4", "samples": "16"}),
+    ],
+)
+def test_right_central_differences_pass(case, method, given):
+    findings = found(case, ByDifferences(), method=method, **given)
+    assert findings["matrix"].outcome == "pass", findings["matrix"].sentence
+    assert all(finding.outcome == "pass" for finding in findings.values())
+
+
+@pytest.mark.parametrize("factor", [0.99, 1.01, -1.0])
+def test_central_differences_that_are_misread_fail(factor):
+    engine = ByDifferences("scene.elements.0.stiffness", factor)
+    given = {"gravity": "1", "duration": "4", "samples": "16"}
+    assert found("harmonic-oscillator", ByDifferences(), method="rk4", **given)
+    matrix = found("harmonic-oscillator", engine, method="rk4", **given)["matrix"]
+    assert matrix.outcome == "fail"
+    assert "by stiffness at" in matrix.sentence
+
+
 class Mute(Transparent):
     """The transparent engine, which claims to differentiate and does not."""
 
@@ -140,6 +224,26 @@ def test_a_run_without_what_was_asked_for_fails():
     assert matrix.outcome == "fail"
     assert matrix.sentence == (
         "The run has no derivatives by scene.bodies.0.mass, which the request asked for."
+    )
+
+
+class Huge(Transparent):
+    """The transparent engine, which answers with the largest numbers."""
+
+    def run(self, request):
+        """The run with derivatives whose sum overflows."""
+        trajectory, cost = super().run(request)
+        huge = {
+            key: np.full_like(slopes, 1.7e308) for key, slopes in trajectory.derivatives.items()
+        }
+        return replace(trajectory, derivatives=huge), cost
+
+
+def test_derivatives_that_overflow_fail():
+    matrix = found("bouncing-ball", Huge(), levels=1, **BALL)["matrix"]
+    assert matrix.outcome == "fail"
+    assert matrix.sentence.startswith(
+        "The run has a derivative by scene.bodies.0.mass of size 1.7e+308; expected at most 1e+250"
     )
 
 
