@@ -26,6 +26,7 @@ from refdem.core.answer_csv import read_solids
 from refdem.core.finding import CampaignSheet, EngineSheet, Finding, Level, Record, Series
 from refdem.core.outside import one_line
 from refdem.core.problem import Request, Solid
+from refdem.core.sensitivities_csv import with_sensitivities
 from refdem.core.store import Store
 from refdem.core.trajectory_csv import read_trajectory
 from refdem.engines.external import sense
@@ -180,6 +181,33 @@ def trajectory(data: bytes, folder: Path) -> None:
             same(row[12:15], omega, f"row {place}")
             attitude = [float(value) for value in found.attitude[at]]
             same(row[8:12], attitude, f"row {place}")
+
+
+def derivatives(data: bytes, folder: Path) -> None:
+    """Derivatives beside a good trajectory."""
+    path = folder / "trajectory.csv"
+    path.write_bytes(TRAJECTORY)
+    beside = folder / "sensitivities.csv"
+    beside.write_bytes(data)
+    found = with_sensitivities(read_trajectory(path, SAMPLES, 2), beside, ASKED)
+    rows = rows_of(data)[1:]
+    expect(len(rows) == len(ASKED) * 2 * SAMPLES, f"{len(rows)} rows were taken")
+    expect(tuple(found.derivatives) == ASKED, f"there are derivatives by {list(found.derivatives)}")
+    for place, row in enumerate(rows):
+        of_number, of_sample = divmod(place, 2 * SAMPLES)
+        sample, body = divmod(of_sample, 2)
+        key = ASKED[of_number]
+        where = f"row {place}"
+        expect(row[0].strip() == key, f"{where} is by {row[0]!r}, and {key} was asked for")
+        late = abs(number(row[1]) - found.t[sample])
+        expect(late <= 1e-9 * max(found.t), f"{where} is of another time")
+        expect(number(row[2]) == body, f"{where} is of another body")
+        slopes = [float(value) for value in found.derivatives[key][sample, body]]
+        same(row[3:9], slopes[:6], where)
+        if any(cell.strip() for cell in row[9:]):
+            same(row[9:], slopes[6:], where)
+        else:
+            expect(not any(slopes[6:]), f"{where} turns where the file has nothing")
 
 
 def events(data: bytes, folder: Path) -> None:
@@ -408,6 +436,12 @@ WITH_CHANNEL = b"\n".join(
     line + (b",overlap" if number == 0 else b",0.5")
     for number, line in enumerate(TRAJECTORY.splitlines())
 )
+ASKED = ("scene.bodies.0.mass", "scene.elements.0.stiffness")
+"""Numbers of the scene by which the fuzzed program differentiates."""
+DERIVATIVES = b"number," + HEADER + b"\n"
+for _key in ASKED:
+    for _row in TRAJECTORY.splitlines()[1:]:
+        DERIVATIVES += _key.encode() + b"," + _row + b"\n"
 EVENTS = b"time,kind,body\n0.25,contact,0\n5D-1,release,1\n"
 COMMANDS = [
     "list cases",
@@ -627,6 +661,7 @@ def targets(folder: Path) -> list[Target]:
     ]
     answers = [
         Target("trajectories", [TRAJECTORY, WITH_CHANNEL], trajectory),
+        Target("derivatives", [DERIVATIVES], derivatives),
         Target("events", [EVENTS], events),
         Target("solids", [of_solids()], solids),
     ]

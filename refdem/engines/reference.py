@@ -114,11 +114,11 @@ class Reference(Engine):
         return section(problem.scene, frequency, skip=skip, keep=keep)
 
     def best(self, problem: Problem) -> Method:
-        """The cheapest method that does not refuse; raises UnsupportedError with every method's
-        reason if all do.
+        """The cheapest method that does not refuse and needs no name; raises UnsupportedError with
+        every method's reason if all do.
         """
         reasons = []
-        for method in self.methods:
+        for method in self.chosen_methods():
             reason = self.unsupported(problem, method)
             if reason is None:
                 return method

@@ -210,6 +210,43 @@ def test_central_differences_that_are_misread_fail(factor):
     assert "by stiffness at" in matrix.sentence
 
 
+class Unlocated(Transparent):
+    """The transparent engine, which does not claim to locate events; what it tells of the
+    restitution is wrong by `part`.
+    """
+
+    methods = tuple(
+        replace(method, locates_events=False) if method.differentiates else method
+        for method in Transparent.methods
+    )
+    part = 0.0
+
+    def run(self, request):
+        """The run with one column of its derivatives changed."""
+        trajectory, cost = super().run(request)
+        key = "scene.elements.0.restitution"
+        changed = {**trajectory.derivatives}
+        if key in changed:
+            changed[key] = (1.0 + self.part) * changed[key]
+        return replace(trajectory, derivatives=changed), cost
+
+
+def test_a_method_that_locates_no_events_gets_the_claimed_bound_and_no_order():
+    located = found("bouncing-ball", **BALL)["matrix"]
+    unlocated = found("bouncing-ball", Unlocated(), **BALL)
+    assert set(unlocated) == {"matrix"}
+    assert unlocated["matrix"].outcome == "pass"
+    # Halvings of the step tell nothing of it; with located events they show that this is exact.
+    assert unlocated["matrix"].bound > 1e3 * located.bound
+
+
+@pytest.mark.parametrize(("part", "outcome"), [(0.25, "pass"), (4.0, "fail")])
+def test_that_bound_is_what_a_method_without_located_events_may_err_by(part, outcome):
+    engine = Unlocated()
+    engine.part = part * found("bouncing-ball", Unlocated(), **BALL)["matrix"].bound
+    assert found("bouncing-ball", engine, **BALL)["matrix"].outcome == outcome
+
+
 class Mute(Transparent):
     """The transparent engine, which claims to differentiate and does not."""
 

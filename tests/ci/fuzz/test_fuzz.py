@@ -18,6 +18,7 @@ NAMES = [
     "scenes",
     "requests",
     "trajectories",
+    "derivatives",
     "events",
     "solids",
     "descriptions",

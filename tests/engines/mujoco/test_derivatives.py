@@ -16,7 +16,20 @@ from tests.random_settings import SETTINGS, first_accepted, settings, shortened
 
 ENGINE = discovery.engine("mujoco")
 METHOD = ENGINE.method("euler-derivatives")
-SMOOTH = ("harmonic-oscillator", "pendulum", "duffing", "newtons-first-law", "heavy-top")
+SMOOTH = (
+    "double-pendulum",
+    "driven-oscillator",
+    "duffing",
+    "free-rigid-body",
+    "harmonic-oscillator",
+    "heavy-top",
+    "newtons-first-law",
+    "pendulum",
+    "two-body-orbit",
+    "van-der-pol",
+    "viscous-oscillator",
+    "whirling-shaft",
+)
 PENDULUM = {"theta0": "2", "thetadot0": "1/2", "duration": "1", "samples": "8"}
 
 
