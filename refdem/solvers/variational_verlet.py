@@ -176,7 +176,7 @@ class VariationalVerlet(SceneSolver):
         elements={Spring: ANY, UniformGravity: ANY, CentralField: ANY}, only_points=True
     )
 
-    def unfit(self, problem: Motion) -> str | None:
+    def unsupported_values(self, problem: Motion) -> str | None:
         """None for springs that are linear or have a cube beside it, else the reason."""
         for spring in problem.scene.all(Spring):
             if spring.exponent != 1 or spring.quadratic:
