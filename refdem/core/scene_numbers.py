@@ -92,7 +92,7 @@ def scene_rates(instance: Instance, p: Parameters, number: CaseNumber) -> dict[s
     0; None where there is no scene on one side, or one of other elements.
     """
     value = number.of(p)
-    distance = APART * (abs(value) or 1)
+    distance = APART * Fraction(_unit(p, number))
     scenes = {}
     try:
         for k in range(-3, 4):
@@ -240,8 +240,13 @@ def displaced(run: Trajectory, change: Array) -> Trajectory:
 
 
 def _unit(p: Parameters, number: CaseNumber) -> float:
-    """The size of a number, 1 of one that is 0."""
-    return abs(float(number.of(p))) or 1.0
+    """The size of a number: 1 of one that is 0, and of an angle at most 1 rad, for what turns by it
+    is no smoother where it counts many turns.
+    """
+    size = abs(float(number.of(p))) or 1.0
+    if p.declared[number.name.split(".")[0]].unit == "rad":
+        size = min(size, 1.0)
+    return size
 
 
 def _distance(instance: Instance, change: Array, unit: float) -> float:

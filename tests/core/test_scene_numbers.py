@@ -50,6 +50,13 @@ def test_an_angle_turns_place_and_velocity():
     assert rates == pytest.approx(expected, rel=1e-11)
 
 
+def test_an_angle_of_many_turns_is_moved_by_no_more_than_any_other():
+    # x = l sin theta0 at theta0 = -147: the error of the differences is that at any angle.
+    turned = discovery.case("pendulum").at(theta0="-147", thetadot0="0")
+    rates = scene_rates(turned, turned.p, Number("theta0"))
+    assert rates["scene.bodies.0.position.0"] == pytest.approx(np.cos(-147.0), rel=1e-11)
+
+
 @pytest.mark.parametrize("number", ["friction", "tangential_restitution"])
 def test_a_number_without_a_scene_on_one_side_has_no_rates(number):
     assert scene_rates(BALL, BALL.p, Number(number)) is None
