@@ -18,6 +18,11 @@ error falls as h^p, what the last halvings of the step change tells it as it doe
 central differences of its runs: the rounding that these leave is allowed.
 
 A step that is left out is an error of order h, which shows where p is 2 or more.
+
+Fixed steps across a force that goes as |s|^n leave an error h^(n+1) in the state, and h^n in a
+derivative: p is at most n there, and the claimed bound(h) of order n + 1 is one of h^n less
+(tau/h)^(p-n). Where a force jumps, n = 0: derivatives of the steps are none of the motion, however
+small the step, and fail.
 """
 
 from collections.abc import Mapping, Sequence
@@ -54,6 +59,7 @@ from refdem.core.trajectory import Trajectory
 from refdem.core.truth import SampledTruth
 from refdem.core.variant import Variant
 from refdem.errors import NotCertifiedError
+from refdem.scene.singularity import JUMP
 
 MOST_BODIES = 100
 """Bodies of a scene up to which derivatives are asked for."""
@@ -149,7 +155,8 @@ class Gradient(Check):
         self, subject: Subject, columns: Sequence[Column], samples: Sequence[int]
     ) -> Finding:
         """The finding on the derivative that is furthest out of its bound at the finest level."""
-        claimed = PREDICTION_FACTOR * subject.bound(subject.levels[-1])[list(samples)]
+        of_state = subject.bound(subject.levels[-1])[list(samples)]
+        claimed = PREDICTION_FACTOR * _lost_order(subject) * of_state
         worst: tuple[float, float, float, str] | None = None
         for column in columns:
             allowed = _allowed(subject, column, claimed)
@@ -193,7 +200,7 @@ class Gradient(Check):
         if len(usable) < 2:
             return None
         orders = [observed_order(coarse, fine) for coarse, fine in pairwise(usable)]
-        claimed = subject.order
+        claimed = _derivative_order(subject)
         deficit = lack(orders, claimed)
         statement = order_statement(
             orders[-1], claimed, deficit, TOLERANCE, "largest error of any derivative"
@@ -207,7 +214,7 @@ class Gradient(Check):
             basis="derivatives of a method have its order",
             statement=statement,
             order_seen=orders[-1],
-            order_claimed=float(claimed),
+            order_claimed=claimed,
         )
 
 
@@ -265,6 +272,27 @@ def _usable(columns: Sequence[Column]) -> list[float]:
     most = max(len(errors) for errors in of_columns)
     clear = [errors for errors in of_columns if len(errors) == most]
     return [float(error) for error in np.max(clear, axis=0)]
+
+
+def _derivative_order(subject: Subject) -> float:
+    """The order to which derivatives are held: that of the state, or n where fixed steps cross a
+    force that goes as |s|^n.
+    """
+    method = subject.method
+    order = float(subject.order)
+    if method.control != "step" or method.locates_events:
+        return order
+    scene = subject.instance.scene
+    smooth = [limit.exponent for _, limit in scene.singularities() if limit.exponent > JUMP]
+    return min([order, *smooth])
+
+
+def _lost_order(subject: Subject) -> float:
+    """(tau/h)^(p-n): how much more than the state a derivative may err at the finest level."""
+    lost = subject.order - _derivative_order(subject)
+    if lost <= 0.0:
+        return 1.0
+    return float((subject.instance.scales.tau / subject.levels[-1]) ** lost)
 
 
 def _scatters(subject: Subject) -> bool:
@@ -344,7 +372,7 @@ def _allowed(subject: Subject, column: Column, claimed: Array) -> Array:
     allowed = claimed
     levels = len(subject.levels)
     if subject.method.control == "step" and levels >= 3 and not _scatters(subject):
-        ratio = 2.0**subject.order
+        ratio = 2.0 ** _derivative_order(subject)
         changes = np.max(np.abs(np.diff(column.slopes, axis=0)), axis=1)
         # Terms of the last change may cancel; the change before it implies 2^-p times its own.
         change = np.maximum(changes[-1], changes[-2] / ratio)

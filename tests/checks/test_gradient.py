@@ -131,23 +131,23 @@ def test_the_sentence_names_the_derivative_that_is_wrong():
 
 class ByDifferences(Transparent):
     """The transparent engine, with derivatives by central differences of its runs: each number is
-    moved by 1e-5 of itself. `factor` misreads those by `wrong`.
+    moved by 1e-5 of itself. `factor` misreads those by `wrong`; `base` runs in its place.
     """
 
-    methods = tuple(replace(method, differentiates=True) for method in Transparent.methods)
-
-    def __init__(self, wrong="", factor=1.0):
+    def __init__(self, wrong="", factor=1.0, base=ENGINE):
         super().__init__()
         self.wrong = wrong
         self.factor = factor
+        self.base = base
+        self.methods = tuple(replace(method, differentiates=True) for method in base.methods)
 
     def unsupported_motion(self, problem, method):
         """What the method itself refuses."""
-        return ENGINE.unsupported_motion(problem, ENGINE.method(method.name))
+        return self.base.unsupported_motion(problem, self.base.method(method.name))
 
     def run(self, request):
         """The run, and the differences of two beside it for every number."""
-        trajectory, cost = ENGINE.run(replace(request, sensitivities=()))
+        trajectory, cost = self.base.run(replace(request, sensitivities=()))
         derivatives = {}
         for key in request.sensitivities:
             derivatives[key] = self.difference(request, key)
@@ -158,13 +158,13 @@ class ByDifferences(Transparent):
     def difference(self, request, key):
         """The central difference of the states by one number."""
         step = 1e-5 * (abs(numbers_in(request.problem.scene)[key]) or 1.0)
-        above = states_at(request, key, step)
-        below = states_at(request, key, -step)
+        above = states_at(self.base, request, key, step)
+        below = states_at(self.base, request, key, -step)
         return (above - below) / (2 * step)
 
 
-def states_at(request, key, change):
-    """The states of a run of the transparent engine with one number of the scene changed."""
+def states_at(engine, request, key, change):
+    """The states of a run of an engine with one number of the scene changed."""
     document = json.loads(request.problem.scene.to_json())
     *way, last = key.split(".")[1:]
     place = document
@@ -173,7 +173,7 @@ def states_at(request, key, change):
     last = int(last) if isinstance(place, list) else last
     place[last] += change
     problem = replace(request.problem, scene=Scene.from_json(json.dumps(document)))
-    run, _ = ENGINE.run(replace(request, problem=problem, sensitivities=()))
+    run, _ = engine.run(replace(request, problem=problem, sensitivities=()))
     return np.concatenate([run.position, run.velocity, run.attitude, run.omega], axis=-1)
 
 
@@ -208,6 +208,22 @@ def test_central_differences_that_are_misread_fail(factor):
     matrix = found("harmonic-oscillator", engine, method="rk4", **given)["matrix"]
     assert matrix.outcome == "fail"
     assert "by stiffness at" in matrix.sentence
+
+
+@pytest.mark.parametrize("factor", [1.0, 1.05])
+@pytest.mark.parametrize(
+    ("case", "method", "given"),
+    [
+        ("two-spheres", "velocity-verlet", {}),
+        ("two-spheres", "rk4", {}),
+        ("two-spheres", "rk4", {"stiffness": "3000"}),
+    ],
+)
+def test_steps_across_a_kink_lose_an_order_in_derivatives(case, method, given, factor):
+    base = discovery.engine("reference")
+    engine = ByDifferences("scene.bodies.0.velocity.0", factor, base)
+    findings = found(case, engine, method=method, samples="16", **given)
+    assert findings["matrix"].outcome == ("pass" if factor == 1.0 else "fail")
 
 
 class Unlocated(Transparent):
