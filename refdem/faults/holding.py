@@ -161,13 +161,16 @@ def hold_length(motion: Moving, before: State, state: State, h: Number) -> State
     """
     if not motion.tied:
         return state
-    rods = rods_of(motion.world, before)
+    # The rods, their directions at the start, and what a unit impulse changes: 1/m_a + 1/m_b.
+    rods = []
+    for rod in rods_of(motion.world, before):
+        along, _, inverse_mass = _ends(motion, rod, before)
+        rods.append((rod, along, inverse_mass))
     enough = ENOUGH[motion.world.number is float]
     strings = [(string, _sides(string, before.r)) for string in motion.world.strings]
     for _ in range(SWEEPS):
         largest = 0.0
-        for rod in rods:
-            along, _, inverse_mass = _ends(motion, rod, before)
+        for rod, along, inverse_mass in rods:
             branch, relative, _ = _ends(motion, rod, state)
             # The branch vector at the end of the drift, with the velocities so far.
             reached = vec.moved(branch, h, relative)

@@ -20,6 +20,16 @@ from refdem.planning.in_process import record_of, task_of, truth_of
 from refdem.scene.elements.spring import Spring
 
 SEED = 1
+SLOW = (
+    ("chaotic-chain", "suzuki"),
+    ("cycle-and-drive", "euler"),
+    ("middle", "euler"),
+    ("mixing", "euler"),
+)
+"""Long settings and the methods of most steps in them, which are judged there by the checks that
+the setting is for: all checks judge these methods in other settings of the case, and other methods
+in these settings.
+"""
 
 
 @pytest.fixture(scope="module")
@@ -33,16 +43,40 @@ def test_a_fault_is_killed_by_the_quantity_named_for_it(trial, fault):
     assert kill.killed, f"{kill.label}: {kill.check}/{kill.quantity}: {kill.sentence}"
 
 
+def judging_checks(setting, method):
+    """The checks by which the correct engine is judged; none for all."""
+    if (setting, method) not in SLOW:
+        return ()
+    return tuple(sorted({fault.sees[0] for fault in faults() if setting in fault.on}))
+
+
 @pytest.mark.parametrize("setting", SETTINGS)
 def test_nothing_is_said_against_the_correct_engine(trial, setting):
     instance, truth = trial.instance(setting, SEED)
     for method in SETTINGS[setting].methods:
-        record = record_of(task_of(engine_of(setting), method, instance, truth, 3))
+        checks = judging_checks(setting, method)
+        record = record_of(task_of(engine_of(setting), method, instance, truth, 3, checks))
+        assert record.findings
         assert [
             f"{record.id(f)}: {f.sentence}"
             for f in record.findings
             if f.outcome in ("fail", "error")
         ] == []
+
+
+@pytest.mark.parametrize(("setting", "method"), SLOW)
+def test_a_slow_method_is_judged_by_all_checks_in_another_setting_of_the_case(setting, method):
+    case = SETTINGS[setting].case
+    methods = [
+        (name, judged)
+        for name, other in SETTINGS.items()
+        if other.case == case
+        for judged in other.methods
+        if (name, judged) not in SLOW
+    ]
+    assert method in {judged for name, judged in methods if name != setting}
+    assert setting in {name for name, _ in methods}
+    assert judging_checks(setting, method)
 
 
 def test_there_are_faults_of_many_kinds_with_names_of_their_own():
