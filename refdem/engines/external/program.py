@@ -38,8 +38,8 @@ ROW = 1024
 """Bytes that a row of the CSV file may take; 15 numbers and 5 channels of 17 digits take 500."""
 SPARE = 2**26
 """Bytes that a program may write into one file however few rows are asked for: it may talk."""
-VERSION_LIMITS = Limits(timeout=10.0, file_bytes=2**20, memory=2**32)
-"""Of a command that says a version."""
+VERSION_LIMITS = Limits(timeout=10.0, file_bytes=2**26, memory=2**32)
+"""Of a command that says a version; a program of MPI maps files of megabytes when it starts."""
 
 
 class Program:

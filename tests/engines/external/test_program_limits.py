@@ -85,7 +85,7 @@ def test_a_version_is_the_first_line_that_is_said(tmp_path: Path, code: str, ver
     assert Program(table, tmp_path / "refdem.toml").version() == version
 
 
-def test_a_version_command_has_ten_seconds_a_mebibyte_and_four_gibibytes(
+def test_a_version_command_has_ten_seconds_64_mebibytes_a_file_and_four_gibibytes(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     told: list[Limits] = []
@@ -93,7 +93,7 @@ def test_a_version_command_has_ten_seconds_a_mebibyte_and_four_gibibytes(
     table = EngineTable(name="small", command=["p"], methods=METHODS, version_command=["v"])
     with pytest.raises(AttributeError):
         Program(table, tmp_path / "refdem.toml").version()
-    assert told == [Limits(timeout=10.0, file_bytes=2**20, memory=2**32)]
+    assert told == [Limits(timeout=10.0, file_bytes=2**26, memory=2**32)]
 
 
 def test_a_program_without_a_version_command_has_no_version(tmp_path: Path) -> None:

@@ -177,6 +177,7 @@ def rows(bodies, times, turning):
 
 if __name__ == "__main__":
     if len(sys.argv) == 2:
-        print(next(line for line in said(sys.argv[1], "-h").splitlines() if line.strip()))
+        title = next(line for line in said(sys.argv[1], "-h").splitlines() if line.strip())
+        print("LAMMPS", title.partition(" - ")[2])
     else:
         main(*sys.argv[1:])
