@@ -6,6 +6,7 @@ import json
 import os
 import shutil
 import subprocess
+import sys
 import tempfile
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -66,6 +67,26 @@ class Gates:
         assert any(
             line.startswith("FAIL ") and line.endswith(seen) for line in done.stdout.splitlines()
         ), done.stdout
+
+    def friction_by_unit_of_length(self, program: str) -> dict[str, list[tuple[str, str]]]:
+        """By the words of a wall: what LAMMPS and the loop of its script say in each unit."""
+        script = CODES / "lammps/deviations/wall_friction.py"
+        # Runs of Open MPI disturb each other in one TMPDIR.
+        environment = os.environ | {"TMPDIR": tempfile.mkdtemp(dir=self.home)}
+        done = subprocess.run(
+            [sys.executable, script, program],
+            env=environment,
+            capture_output=True,
+            text=True,
+            check=True,
+            timeout=100,
+        )
+        rows: dict[str, list[tuple[str, str]]] = {}
+        for line in done.stdout.splitlines()[1:]:
+            words, _, said = line.partition(" L = ")
+            found, loop = said.partition(": ")[2].split(", ")
+            rows.setdefault(words.strip(), []).append((found, loop))
+        return rows
 
 
 @pytest.fixture(scope="session")
