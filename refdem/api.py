@@ -16,6 +16,7 @@ from refdem.core import discovery
 from refdem.core.discovery import truth_of
 from refdem.core.engine import Method
 from refdem.core.finding import BROKEN, Finding, Record, Sheet, findings_of
+from refdem.core.moved import unit_of_derivative
 from refdem.core.outside import one_line
 from refdem.core.parameters import text_of
 from refdem.core.store import Store, default_path
@@ -232,7 +233,7 @@ def sensitivities_of(case: str, times: Iterable[Any], **parameters: Any) -> Slop
     radius_rows = pd.DataFrame(list(radii.values()), index=index)
     units = {
         quantity.name: {
-            number: f"({quantity.unit})/({p.declared[number.partition('.')[0]].unit})"
+            number: unit_of_derivative(quantity.unit, p.declared[number.partition(".")[0]].unit)
             for number in middle_rows.columns
         }
         for quantity in instance.quantities.values()

@@ -195,12 +195,14 @@ def derivative(
     instance: "Instance", t: Fraction, quantity: str, number: str, ball: "Ball", digits: int
 ) -> dict[str, str | None]:
     """One derivative as the JSON has it."""
+    from refdem.core.moved import unit_of_derivative
+
     row = value(t, quantity, ball, "", digits)
     del row["method"]
     by = instance.p.declared[number.partition(".")[0]].unit
     declared = instance.quantities.get(quantity)
     unit = declared.unit if declared else "1"
-    return row | {"by": number, "unit": f"({unit})/({by})"}
+    return row | {"by": number, "unit": unit_of_derivative(unit, by)}
 
 
 def printed(row: "Mapping[str, str | None]") -> str:

@@ -33,3 +33,19 @@ class Moved(msgspec.Struct, frozen=True, kw_only=True, tag="moved", tag_field="t
     command: str
     numbers: tuple[MovedLine, ...] = ()
     reason: str = ""
+
+
+def unit_of_derivative(unit: str, by: str) -> str:
+    """The unit of a derivative as `N/kg` or `(m/s)/(kg/m)`; that of the quantity where the number
+    has none.
+    """
+    if by == "1":
+        return unit
+    return f"{_bracketed(unit)}/{_bracketed(by)}"
+
+
+def _bracketed(unit: str) -> str:
+    """A unit as a part of a quotient, in parentheses where it is a product or quotient itself."""
+    if any(sign in unit for sign in "/ *"):
+        return f"({unit})"
+    return unit

@@ -5,7 +5,7 @@ in HTML and in Markdown.
 import re
 from dataclasses import dataclass
 
-from refdem.core.moved import Moved, MovedLine
+from refdem.core.moved import Moved, MovedLine, unit_of_derivative
 from refdem.core.outside import markdown_text
 
 TITLE = "What each number moves"
@@ -69,9 +69,7 @@ def cells_of(line: MovedLine) -> Cells:
         reason = NOTHING
     if reason:
         return Cells(line.number, value, "", reason, "", "")
-    unit = f"({line.unit_of_quantity})/({line.unit})"
-    if line.unit == "1":
-        unit = _unit(line.unit_of_quantity)
+    unit = _unit(unit_of_derivative(line.unit_of_quantity, line.unit))
     share = ""
     if line.share is not None:
         share = f"{line.share:.3g} %"
