@@ -191,6 +191,10 @@ class Attack:
             places = [self.read.index(name) for name in self.state]
             self.states = [answer[places] for answer in self.answers]
             self.made_at = [k for k, t in enumerate(self.times) if self.is_known_at(t)]
+        # Kept, for both bounds are compared with the same growths: inverses by the time of the
+        # impulse, growths by the time when they are read.
+        self.inverses: dict[int, arb_mat | None] = {}
+        self.found: dict[int, list[float]] = {}
 
     def as_seen(self, truth: Any) -> Any:
         """The motion in the coordinates of the norm: of a cluster, whose truth has places."""
@@ -261,28 +265,43 @@ class Attack:
 
     def worst(self, start: int, end: int) -> Iterator[float]:
         """The largest growth from one time to another in all directions, where they are known."""
+        if start not in self.inverses:
+            self.inverses[start] = self.inverse_at(start)
+        back = self.inverses[start]
+        if back is None:
+            return
+        with precision(BITS):
+            passed = doubles(balls(self.answers[end][:, : len(self.state)]) * back)
+        yield largest_growth(passed, parts(self.case, self.read), parts(self.case, self.state))
+
+    def inverse_at(self, start: int) -> arb_mat | None:
+        """D(s)^-1 of the displacements along the coordinates at a time s; None where they do not
+        span the state, or hardly do.
+        """
         count = len(self.state)
         alone = self.states[start][:, :count]
         if sum(is_along_an_axis(amounts) for amounts in self.starts) != count:
-            return
+            return None
         with precision(BITS):
             try:
                 back = balls(alone).inv()
             except ZeroDivisionError:
-                return
-            passed = doubles(balls(self.answers[end][:, :count]) * back)
+                return None
             condition = np.abs(doubles(back)).max() * np.abs(alone.astype(float)).max()
         if condition < WORST:
-            yield largest_growth(passed, parts(self.case, self.read), parts(self.case, self.state))
+            return back
+        return None
 
     def growths(self, end: int) -> list[float]:
         """Growths up to a time, from all times before it."""
-        return [
-            growth
-            for start in self.made_at
-            if start <= end
-            for growth in (*self.single(start, end), *self.worst(start, end))
-        ]
+        if end not in self.found:
+            self.found[end] = [
+                growth
+                for start in self.made_at
+                if start <= end
+                for growth in (*self.single(start, end), *self.worst(start, end))
+            ]
+        return self.found[end]
 
     def violations(self, part: float = 1.0) -> list[str]:
         """Growths that exceed S, or that part of it."""

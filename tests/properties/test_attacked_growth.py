@@ -84,6 +84,10 @@ SHARP_LOOKS = max(32, LOOKS)
 """Times for those: where S rises fast the impulse that grows most is made in a short interval."""
 SHARP_AT = {"billiard-break": {"rows": "2"}}
 """Settings of sharp attacks that leave so few coordinates that all are displaced: 4 balls of 16."""
+AT_FEW_LOOKS = sorted((set(ATTACKED) - {*BODIES, *SHARP}) | set(SHARP_AT))
+"""Cases whose violations are looked for at a few times: of the others the largest growths are
+searched at many, in the same motions, where both bounds are compared with them.
+"""
 STRUCK_ANEW = ("lorenz", "stick-slip")
 """Cases that lose errors of the start, and are attacked from where they are at each of STRIKES."""
 STRIKES = 48
@@ -120,7 +124,7 @@ def random_attack(
 
 
 @pytest.mark.parametrize("number", range(SETTINGS))
-@pytest.mark.parametrize("case", ATTACKED)
+@pytest.mark.parametrize("case", AT_FEW_LOOKS)
 def test_no_displacement_grows_by_more_than_s(case, number):
     assert random_attack(case, number).violations() == []
 
@@ -137,6 +141,7 @@ def test_s_of_a_body_is_at_most_1_4_times_the_largest_growth_that_is_found(case,
 @pytest.mark.parametrize("case", SHARP)
 def test_s_is_at_most_1_4_times_the_largest_growth_that_is_found(case, number):
     attack = random_attack(case, number, SHARP_LOOKS, SHARP_AT.get(case, NOTHING))
+    assert attack.violations() == []
     assert attack.overestimates() == []
 
 
