@@ -27,7 +27,7 @@ CROWDS = ("granular-gas",)
 """Cases of so many bodies that a step in plain Python takes too long."""
 RIGHT = {program.name: program for program in PROGRAMS if "-" not in program.name}
 """The programs of tests/foreign/right, one of each source: their variants support the same."""
-OTHERS = ("c", "cpp", "fortran", "solids", "staggered")
+OTHERS = ("c", "cpp", "fortran", "solids", "staggered", "tangent")
 
 
 @pytest.fixture(scope="module", params=[*RIGHT, *OTHERS])
@@ -47,12 +47,15 @@ def can_run(engine: Engine, problem):
 
 
 def possible_faults(engine: Engine):
-    """The faults that the engine can have."""
-    return [
-        fault
-        for fault in faults()
-        if any(can_run(engine, setting_at(name, SEED)[0].problem) for name in fault.on)
-    ]
+    """The faults that the engine can have: those of derivatives only if it differentiates."""
+    has_derivatives = any(method.differentiates for method in engine.methods)
+    possible = []
+    for fault in faults():
+        if fault.sees[0] == "gradient" and not has_derivatives:
+            continue
+        if any(can_run(engine, setting_at(name, SEED)[0].problem) for name in fault.on):
+            possible.append(fault)
+    return possible
 
 
 @cache
