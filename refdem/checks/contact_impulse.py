@@ -349,8 +349,7 @@ class _Contact:
 
     @cached_property
     def dashpot(self) -> Array:
-        """The force (T,) [N] of the law at overlap 0: c d', or max(0, c d') if the law never pulls.
-        """
+        """The force (T,) [N] of the law at overlap 0: c d', or max(0, c d') if it never pulls."""
         pushes = self.law.damping * self.rate
         if self.law.cutoff == "zero_force":
             pushes = np.maximum(pushes, 0.0)
