@@ -68,11 +68,11 @@ static double zero_of_guard(const runner *r, course *c, int64_t k, int kind, dou
     double at_high = last;
     double fraction = high;
     int side = 0;
-    /* What parts within rounding parts now: else it would stick and slip without end at the last
-     * bit. */
+    /* A contact that is about to part and has no overlap beyond rounding parts now: else it would
+     * alternate between modes without end at the last bit. */
     if (kind == GAP && at_low <= SLACK && measure(r->p, k, c->y).rate * h < 0.0)
         return 0.0;
-    /* What begins at zero must first have risen. */
+    /* A guard that begins at zero must have risen before it can fall. */
     if (at_low <= SLACK) {
         low = risen_before(r, c, k, kind, h, high, &at_low);
         if (low == 0.0)
@@ -324,9 +324,9 @@ static double converged_step(const runner *r, course *c, double piece, double h,
     }
 }
 
-/* One step of size h from time t, cut at events, and halved where extrapolation needs that. What
- * the shortest piece does not settle, no other will: the rest of the step is then taken as it
- * comes, for the checks to judge, and not in a million pieces. */
+/* One step of size h from time t, cut at events, and halved where extrapolation does not converge.
+ * If the shortest piece does not converge either, the rest of the step is taken without further
+ * halving, and the checks judge the result. */
 static void advance(runner *r, course *c, double t, double h)
 {
     double left = h;
@@ -383,7 +383,7 @@ static void record(const runner *r, const double *restrict y, double *restrict c
             channel[2] = m.force;
         if (p->tangential_stiffness == 0.0 || r->mode[k] < STICK) /* it has no spring */
             continue;
-        if (p->hertz) /* its spring keeps no account: see Contact */
+        if (p->hertz) /* the energy of its spring is not tracked: see Contact */
             continue;
         double stretch = m.limit / p->tangential_stiffness;
         if (r->mode[k] == STICK)
