@@ -76,19 +76,18 @@ class ContactImpulse(Check):
     a spring at its limit may be extrapolated through a step and pass the limit within the order of
     the method.
 
-    normal: the mean normal force lies between the smallest and the largest that the law gives at
-    the four samples around the interval, so that forces of the step before or after are covered.
-    What is allowed beyond is the curvature of the force between samples, by the time scale of the
-    contact and by the way in which spheres pass each other; half of its change where a method takes
-    forces of earlier steps with negative weights; the change of c d' in a step, since a dashpot may
-    see the velocity of another instant than the spring sees the place of; and a step's impulse
-    where the force jumps between the samples. An error that does not depend on the step is visible
-    at the coarsest one.
+    normal: the mean normal force lies between the smallest and the largest force of the law at the
+    four samples around the interval, so that forces of the step before or after are covered. The
+    bound adds the curvature of the force between samples, from the time scale of the contact and
+    from spheres that pass each other; half of its change where a method takes forces of earlier
+    steps with negative weights; the change of c d' in a step, since a dashpot may use the velocity
+    of another instant than that of the overlap; and the impulse of one step where the force jumps
+    between the samples. An error that does not depend on the step is visible at the coarsest one.
 
     sliding: where a sphere slides along a wall without a tangential spring, each force obeys |Ft| =
     mu Fn, and neither the normal nor, in a plane, the direction of slip turns: the sum obeys it
-    too, to round-off. A sphere that rolls has friction that alternates from step to step, and a
-    slip of as much as a step of friction makes: that is no sliding.
+    too, to round-off. Rolling is excluded: there friction alternates from step to step, and the
+    slip is at most the change by one step of friction.
     """
 
     name = "contact-impulse"

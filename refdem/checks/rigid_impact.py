@@ -1,8 +1,8 @@
-"""What rigid spheres do to each other and to planes when they meet: restitution out against
-restitution in, an impulse in the friction cone, friction and spins as the law has them.
+"""Impacts of rigid spheres with each other and with planes against the law: restitution, an impulse
+in the friction cone, the friction and the change of spins.
 
-One impact needs no truth. Of impacts in sequence the certified list says which bodies meet when;
-what each of them does is judged between the samples around it (_impulses.py).
+A single impact needs no truth. Of impacts in sequence the certified list gives the bodies and the
+times; each impact is judged between the samples around it (_impulses.py).
 """
 
 from collections.abc import Callable, Mapping
@@ -50,14 +50,15 @@ class Exchange:
 
 
 class RigidImpact(Check):
-    """The samples before and after an impact, laid beside the law.
+    """The samples before and after an impact, compared with the law.
 
-    Of a single impact they are the first and the last one, without any truth. The normal is where
-    straight lines from the first sample meet. Nothing but the impact acts, so that every method is
-    exact up to it and after it: there is no truncation error. A method that sees the impact at the
-    end of a step h sees it up to h V beyond, where the normal between two spheres has turned by up
-    to a = h V/R. So an impulse, which is at most 4 V m_n, is off by at most 4 V m_n a (1 + a). Of a
-    sequence every impact is judged that comes alone between two samples.
+    For a single impact these are the first and the last sample, and no truth is needed. The normal
+    is that at the contact of free flights along straight lines from the first sample. Nothing but
+    the impact acts, so that every method is exact before and after it: there is no truncation
+    error. A method that applies the impact at the end of a step h does so up to h V beyond the
+    contact, where the normal between two spheres has turned by up to a = h V/R. So the error of an
+    impulse, which is at most 4 V m_n, is at most 4 V m_n a (1 + a). Of a sequence every impact is
+    judged that two samples isolate.
     """
 
     name = "rigid-impact"

@@ -32,7 +32,7 @@ typedef struct {
 
 /* The motion now: time [s], x [m] and work [J] in double-double, w = |u| [m/s]; side is the sign of
  * u, 0 while it sticks; zero_order is the order of the zero of u with which a slip began.
- * has_tangent: a tangent (dx, du) is carried along. drive_terms: the coefficients F w^n/n! of the
+ * has_tangent: a tangent (dx, du) is integrated too. drive_terms: the coefficients F w^n/n! of the
  * drive. */
 typedef struct {
     dd now, x, work;
@@ -169,7 +169,7 @@ static inline void expand_slip(const belt *p, const motion *m, int with_work, se
             take_in(&power_v, power_lost, v, n);
         }
     }
-    if (!m->has_tangent) /* no tangent asks for the friction's slope */
+    if (!m->has_tangent) /* only a tangent needs the slope of the friction */
         return;
     /* N mu'(s) = N (2 lambda1 s - (mu0 - mu1) lambda0 q^2), or lambda1 in its first term. */
     for (int n = 0; n < ORDER; n++) {

@@ -6,7 +6,7 @@
  *   PARTED   GAP: d/R, PULL: -F (it presses again)
  *   pressing GAP: d/R, or F/(k R) where the contact ends with its force
  *   FREE     PULL: -F;  SLIP  PULL: F (friction ends and begins with the sign of the force)
- *   STICK    HOLD: mu F - |f|, what is left of the limit of the force that holds
+ *   STICK    HOLD: mu F - |f|, the margin of the holding force f to its limit
  *   SLIP     HOLD: u.s - mu F'/k_t, by how much the slip outruns the spring's limit
  */
 #ifndef REFDEM_CONTACT_MODES_H

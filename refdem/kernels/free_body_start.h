@@ -296,7 +296,8 @@ static void prepare_tumbling(free_body *b, const double *restrict inertia)
     b->kind = TUMBLING;
     b->order = copysign(1.0, k.d31.hi);
     dd size = amplitudes(b, &k, w, a, n, &x);
-    /* p, above/p = cn^2 and dn^2 of the formula for a */
+    /* p = J2 (J3 - J1)/below, above/p = cn^2 = J3 (J2 - J1)/(J2 (J3 - J1)), dn^2 = 1 - m1/p, with
+     * below = J1 (J3 - J2) and above = J3 (J2 - J1)/below; a = R_F(cn^2, dn^2, 1)/sqrt(p) */
     dd below = dd_mul(k.j[0], k.d32);
     dd p = dd_div(dd_mul(k.j[1], k.d31), below);
     dd above = dd_div(dd_mul(k.j[2], k.d21), below);

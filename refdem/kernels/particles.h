@@ -174,7 +174,7 @@ static inline double slip_floor(const refdem_particles *p, const contact *m)
 static inline double tangential_mobility(const refdem_particles *p, const contact *m)
 {
     double mobility = p->inverse_mass[m->i] + m->arm_i * m->torque_i * p->inverse_inertia[m->i];
-    if (m->j < 0) /* a plane does not yield */
+    if (m->j < 0) /* a plane has infinite mass */
         return mobility;
     return mobility + p->inverse_mass[m->j] + m->arm_j * m->torque_j * p->inverse_inertia[m->j];
 }
@@ -364,8 +364,8 @@ static inline double add_normal_forces(const refdem_particles *p, const int64_t 
 }
 
 /* Adds the accelerations by tangential forces f and the rates of their springs; returns the power
- * -f.U [W]. Accelerations in dy must be complete but for these: sticking without a spring asks for
- * them. */
+ * -f.U [W]. Accelerations in dy must be complete except for these, since sticking without a spring
+ * depends on them. */
 static inline double add_tangential_forces(const refdem_particles *p, const int64_t *restrict mode,
                                            const double *restrict y, double *restrict dy)
 {

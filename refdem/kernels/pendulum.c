@@ -277,8 +277,8 @@ int refdem_pendulum_prepare(double mass, double length, const double *gravity, c
     return 0;
 }
 
-/* The start itself, as it was given, wherever it is asked for among count samples; everywhere if
- * the point rests. */
+/* Writes the given start to those of count samples that are at t0; to all of them if the point is
+ * at rest. */
 static inline void restore_start(const run *m, int64_t first, int count)
 {
     int is_resting = m->b.kind == RESTING;

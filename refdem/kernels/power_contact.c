@@ -163,7 +163,7 @@ int refdem_power_contact(double mass, const double *in, const double *out_law, d
             sign = -1.0;
         }
         double since = l->half - fabs(left);
-        if (!meets) { /* free flight for ever */
+        if (!meets) { /* free flight without end */
             out[0] = overlap + rate * t[row];
             out[1] = rate;
         } else if (since <= 0.0) { /* before the touch, or after the parting */

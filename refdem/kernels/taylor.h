@@ -33,7 +33,7 @@ static inline double cauchy(const double *a, const double *b, int n)
     return sum;
 }
 
-/* The same without its term a_0 b_n: what is left to solve a b = c for b_n, (c_n - rest)/a_0. */
+/* The same without its term a_0 b_n, so that a b = c has the solution b_n = (c_n - rest)/a_0. */
 static inline double cauchy_rest(const double *a, const double *b, int n)
 {
     double sum = 0.0;
