@@ -70,10 +70,17 @@ static void prepare_symmetric(free_body *b, const double *restrict inertia)
         b->along[i] = dd_round(dd_div(l[i], momentum));
 }
 
-/* Coefficients of theta4(pi (u + ia)/(2K), nome^2) as a series in 2 n pi f, up to a positive
- * factor: terms
- * (-1)^n nome^(2 n^2) (exp(2 n s) + exp(-2 n s)) with the shift s = pi a/(2K); where m > 1/2 those
- * of theta2 after z -> z/tau, whose argument has a part linear in u besides, the slope. */
+/* Coefficients of theta4(pi (u + ia)/(2K), nome^2), up to a positive factor, as a series in cosines
+ * (real part) and sines (imaginary part) of 2 n pi f. With the shift s = pi a/(2K) the terms are
+ *
+ *   (-1)^n nome^(2 n^2) ((exp(2 n s) + exp(-2 n s)) cos - i (exp(2 n s) - exp(-2 n s)) sin),
+ *
+ * and 1 for n = 0. For m > 1/2 they are those of theta2 after z -> z/tau, with the shift s = pi
+ * a/(4K') and the nome of m1,
+ *
+ *   rise: nome^(n^2/2) exp(i (2 n + 1) s),   fall: nome^(n (n + 1)/2) exp(-i (2 n + 1) s),
+ *
+ * and the argument has in addition a part linear in u, the slope. */
 static void prepare_theta(free_body *b, double a, double c)
 {
     const jacobi *j = &b->j;
