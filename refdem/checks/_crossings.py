@@ -36,7 +36,8 @@ TOUCHING = 8 * DOUBLE_ROUNDING
 """Relative error of positions and radii, 8 roundings in binary64: overlaps below it count as zero.
 """
 MOST = 16
-"""Largest number of bodies whose pairs are all searched; truth knows collisions of three at most.
+"""Largest number of bodies of which every pair is searched. Certified collisions have at most three
+bodies.
 """
 ALIKE = 1e-9
 """Relative difference of closing speeds below which contacts that start together end together."""
@@ -75,7 +76,7 @@ class Crossing:
 
 
 Crossings = dict[str, list[Crossing]]
-"""Crossings by kind of event, in order of time. A kind that truth knows to be absent has none."""
+"""Crossings by kind of event, in order of time. A kind that is certified to be absent is empty."""
 Pair = tuple[float, float, float, tuple[int, ...]]
 """Overlap [m], closing speed [m/s], relative speed [m/s], and the bodies, two or one beside a wall.
 """
@@ -175,6 +176,7 @@ class Belt:
 
     def pull(self, t: float, x: float) -> float:
         """The pull P [N] at time t [s] and position x [m]."""
+        # P(t, x) = F(t) + m g_x - k (x - x_anchor), F = sum A cos(w t + phase) axis_x
         driven = sum(float(drive.strength(np.array(t))) * drive.axis[0] for drive in self.drives)
         return driven + self.weight - self.spring.stiffness * (x - self.spring.anchor_b[0])
 
@@ -188,6 +190,7 @@ class Belt:
         """The rate dP/dt [N/s] at time t [s] while the belt carries the point, so x' is the belt
         velocity.
         """
+        # dP/dt = F'(t) - k v_belt, F' = -sum A w sin(w t + phase) axis_x
         driven = sum(
             -d.amplitude * d.frequency * sin(d.frequency * t + d.phase) * d.axis[0]
             for d in self.drives
@@ -206,8 +209,8 @@ def rubbing(subject: Subject, truth: SampledTruth) -> Crossings:
     """Crossings of a point on a belt: its sticks and slips, or its final stop.
 
     At a slip g = limit - |P|: of the state only x enters, with |g'| = |P'| and scale k L. At a
-    stick g is the velocity relative to the belt, with |g'| = |x''|. A stop is a stick for ever, and
-    a run may report it as either.
+    stick g is the velocity relative to the belt, with |g'| = |x''| and scale V. A stop is a stick
+    that lasts forever, and a run may report it as either kind.
     """
     belt = Belt(subject.instance.scene)
     scales = subject.instance.scales
@@ -224,6 +227,7 @@ def rubbing(subject: Subject, truth: SampledTruth) -> Crossings:
         known = {}
     for index, (time, radius, kind) in enumerate(events):
         if kind == "slip":
+            # rate = |P'|/(k L)
             rate = abs(belt.growth(time)) / (belt.spring.stiffness * scales.length)
             known[kind].append(Crossing(time, radius, rate, bend, growth))
         elif kind == "stick":
@@ -236,6 +240,7 @@ def rubbing(subject: Subject, truth: SampledTruth) -> Crossings:
                 previous = events[index - 1][0]
             else:
                 previous = 0.0
+            # rate = |x''|/V
             rate = braking(belt, truth, time, position, previous) / scales.speed
             margin = belt.margin(time, position) / scales.length
             known[kind].append(Crossing(time, radius, rate, bend, growth, margin=margin))
@@ -245,7 +250,9 @@ def rubbing(subject: Subject, truth: SampledTruth) -> Crossings:
         # The slip before the stop lasts half a period, pi sqrt(m/k).
         half_period = np.pi * sqrt(belt.mass / belt.spring.stiffness)
         rate = braking(belt, truth, time, position, time - half_period) / scales.speed
-        # Where the last half cycle is short, |P| at its start exceeds the limit by as much.
+        # With s = limit/k and places counted from P = 0, a half cycle leads from Y to
+        # -sgn(Y) (|Y| - 2 s). From |Y| = s + delta, delta < s, it ends at s - delta: the margin
+        # delta at its end is also the amount by which its start exceeds s.
         margin = belt.margin(time, position) / scales.length
         stop = [Crossing(time, radius, rate, bend, growth, margin=margin)]
         known["stop"] = stop
@@ -289,6 +296,7 @@ def braking(belt: Belt, truth: SampledTruth, time: float, position: float, since
         along_slip = copysign(pull, pull * slip)
     else:
         along_slip = abs(pull)
+    # m |x''| = limit - P sgn(u)
     net = belt.limit - along_slip
     return max(0.0, float(net)) / belt.mass
 
@@ -336,6 +344,7 @@ def _met(scene: Scene) -> Iterator[Pair]:
     bodies = scene.bodies
     spheres = [int(i) for i in np.flatnonzero(bodies.radius > 0)]
     for i, j in combinations(spheres, 2):
+        # d = R_i + R_j - |r|,  d' = (v_i - v_j).r/|r|,  r = r_j - r_i
         branch: Array = bodies.position[j] - bodies.position[i]
         distance = float(np.linalg.norm(branch))
         relative = bodies.velocity[i] - bodies.velocity[j]
@@ -345,6 +354,7 @@ def _met(scene: Scene) -> Iterator[Pair]:
     for i in spheres:
         for plane in scene.all(Plane):
             normal = np.array(plane.normal)
+            # d = R - (r - p).n,  d' = -v.n
             overlap = float(
                 bodies.radius[i] - (bodies.position[i] - np.array(plane.point)) @ normal
             )
@@ -402,8 +412,9 @@ def closing_speed(scene: Scene) -> tuple[float, float]:
     """The closing speed [m/s] of an impact, by straight lines from the start, and how fast it
     changes before it [m/s^2].
 
-    With d and w the place and velocity of the second sphere against the first, and R the sum of
-    radii, w.n at |d + w t| = R is -sqrt(w^2 R^2 - |d x w|^2)/R.
+    With d and w the position and velocity of the second sphere relative to the first, and R the sum
+    of radii, w.n at |d + w t| = R is -sqrt(w^2 R^2 - |d x w|^2)/R. Before the impact its rate of
+    change, the second derivative of |d|, is |d x w|^2/|d|^3 <= |d x w|^2/R^3.
     """
     bodies = scene.bodies
     planes = scene.all(Plane)
@@ -413,6 +424,7 @@ def closing_speed(scene: Scene) -> tuple[float, float]:
     apart = bodies.position[1] - bodies.position[0]
     relative = bodies.velocity[1] - bodies.velocity[0]
     swept = np.cross(apart, relative)
+    # c = sqrt(w^2 - |d x w|^2/R^2),  |c'| <= |d x w|^2/R^3
     squared = float(relative @ relative)
     across = float(swept @ swept) / reach**2
     return sqrt(max(0.0, squared - across)), across / reach
@@ -421,7 +433,8 @@ def closing_speed(scene: Scene) -> tuple[float, float]:
 def meeting(subject: Subject, truth: SampledTruth) -> Crossings:
     """The impact of rigid bodies, where their gap closes.
 
-    The gap is off by at most the sum of what the places of both are off by along the normal.
+    An error of L in each of the n coordinates of each of N bodies changes the gap by at most N
+    sqrt(n) L, which is the scale of the gap.
     """
     scene = subject.instance.scene
     closing, bend = closing_speed(scene)
@@ -446,6 +459,7 @@ def sticking(subject: Subject, truth: SampledTruth) -> Crossings:
     _, braking = slip_at_start(scene)
     reach = quantities["vx"].scale + float(scene.bodies.radius[0]) * quantities["omega"].scale
     time, radius = truth.scalars["roll_time"]
+    # rate = |s'|/(V + R W)
     rate = float(np.linalg.norm(braking)) / reach
     growth = 1 / subject.instance.scales.tau
     return {"stick": [Crossing(time, radius, rate, 0.0, growth)]}
@@ -481,7 +495,7 @@ def parting(subject: Subject, truth: SampledTruth) -> Crossings:
     closing, speed, _ = pairs[0]
     if any(abs(other - closing) > ALIKE * closing for other, *_ in pairs):
         return {}
-    # Pairs that meet alike have one event, which may be told of any of their bodies.
+    # Pairs with equal closing speeds have one event, which may be reported of any of their bodies.
     bodies = tuple(sorted({body for _, _, pair in pairs for body in pair}))
     # One scale of every coordinate of every free body of a pair changes d by up to free sqrt(n) L.
     n_dimensions = next(n for n in (1, 2, 3) if f"dimension:{n}" in scene.features)
@@ -490,7 +504,8 @@ def parting(subject: Subject, truth: SampledTruth) -> Crossings:
     else:
         free = int(np.count_nonzero(~scene.bodies.fixed[list(pairs[0][-1])]))
         reach = scales.length * (free * sqrt(n_dimensions))
-    # In the precision of the method an overlap of 0 may be one of a rounding.
+    # In the precision of the method the overlap at the start is 0 up to one rounding, which moves
+    # the touch by rounding/closing.
     touch_rounding = rounding(scene) * subject.method.round_off / DOUBLE_ROUNDING
     start = float(subject.instance.times[0])
     touch = Crossing(start, touch_rounding / closing, inf, 0.0, 0.0, bodies)
@@ -501,6 +516,7 @@ def parting(subject: Subject, truth: SampledTruth) -> Crossings:
     damping_share = 1.0
     if laws and laws[0].cutoff == "zero_force" and laws[0].law == "linear":
         damping_share = 1.0 + laws[0].damping / (laws[0].stiffness * scales.tau)
+    # rate = |d'|/(reach (1 + c/(k tau))),  bend = |v|/(reach (1 + c/(k tau)) tau)
     time, radius = scalars["duration"]
     parting_speed = closing * given_back(subject, truth, closing)
     unit = reach * damping_share
@@ -519,6 +535,7 @@ def given_back(subject: Subject, truth: SampledTruth, closing: float) -> float:
     if "restitution" in truth.scalars:
         return truth.scalars["restitution"][0]
     if "energy_change" in truth.scalars:
+        # sqrt(1 + dE/E),  E = m v^2/2
         energy = float(subject.instance.scene.bodies.mass[0]) * closing**2 / 2
         return sqrt(max(0.0, 1.0 + truth.scalars["energy_change"][0] / energy))
     if any(law.damping for law in subject.instance.scene.all(Contact)):

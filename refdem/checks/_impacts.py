@@ -1,9 +1,9 @@
-"""Impacts in sequence: the certified list of them in the scalars of the truth, and the samples of a
-run between which each comes alone.
+"""Impacts in sequence: the certified list of them in the scalars of the truth, and for each impact
+the two samples of a run between which its bodies have no other impact.
 
-Truth has of impact number k, from 1 on, the time `impact_k` [s], the closing speed
-`impact_k_closing` [m/s], and the numbers of the bodies, `impact_k_body` and, unless it is a plane,
-`impact_k_other` (refdem/truth/impact_scalars.py).
+For impact number k = 1, 2, ... the truth gives the time `impact_k` [s], the closing speed
+`impact_k_closing` [m/s], and the numbers of the bodies, `impact_k_body` and, unless the body meets
+a plane, `impact_k_other` (refdem/truth/impact_scalars.py).
 """
 
 from collections.abc import Mapping, Sequence
@@ -27,15 +27,15 @@ from refdem.scene.elements.uniform_gravity import UniformGravity
 Array = NDArray[np.float64]
 Scalars = Mapping[str, tuple[float, float]]
 MOST_BODIES = 16
-"""Bodies up to which impacts may be listed: those of a game of billiards. Lists of more are lost
-after a few of them, as errors grow from impact to impact.
+"""Largest number of bodies with a list of impacts: that of a game of billiards. With more bodies
+only the first few impacts can be certified, since errors grow from impact to impact.
 """
 SAMPLES_A_WAIT = 4
-"""Samples in the shortest time between two impacts of a body: one before and one after each are
-free of both, however they lie.
+"""Samples in the shortest time between two impacts of a body: whatever their phase, there is a
+sample before and one after each impact that no other impact of the body separates from it.
 """
 MOST_DENSE = 64
-"""Samples in place of one, at most: a run must be read."""
+"""Largest number of samples in place of one, which limits the size of the output."""
 
 
 @dataclass(frozen=True)
@@ -51,7 +51,7 @@ class Impact:
 
 
 def listed(scalars: Scalars) -> list[Impact]:
-    """The certified impacts in order of time; none where truth tells of no list."""
+    """The certified impacts in order of time; empty where truth has no list."""
     found: list[Impact] = []
     for number in count(1):
         name = f"impact_{number}"
@@ -61,7 +61,7 @@ def listed(scalars: Scalars) -> list[Impact]:
         closing, of_closing = scalars[f"{name}_closing"]
         roles = [f"{name}_{role}" for role in ("body", "other")]
         bodies = tuple(int(scalars[role][0]) for role in roles if role in scalars)
-        # The slowest that they may close: rates are bounded from below.
+        # The lower end of the certified interval, since event rates are bounded from below.
         found.append(Impact(time, radius, closing - of_closing, bodies))
     return found
 
@@ -91,13 +91,13 @@ def gap_rates(instance: Instance, impact: Impact) -> tuple[float, float]:
     """|g'| [1/s] and a bound on |g''| [1/s^2] of the gap at an impact. The unit of the gap is its
     change when every coordinate changes by its scale.
 
-    For a sphere above a plane |g''| is the acceleration of gravity. Two spheres fall alike: with
-    their relative speed w <= 2 V, the closing speed c and the sum R of their radii g'' = (w^2 -
-    c^2)/R, which is 0 for a motion on a line.
+    For a sphere above a plane |g''| = |a.n| <= |a|, with the acceleration of gravity a. Gravity
+    cancels between two spheres: with their relative speed w <= 2 V, the closing speed c and the sum
+    R of their radii, g'' = (w^2 - c^2)/R <= (2 V)^2/R, which is 0 for a motion on a line.
     """
     scene = instance.scene
     dimension = next(n for n in (1, 2, 3) if f"dimension:{n}" in scene.features)
-    # The unit of the gap: each body moves by L along each axis.
+    # The unit of the gap: each of N bodies moves by L along each of n axes, N sqrt(n) L in all.
     reach = instance.scales.length * len(impact.bodies) * sqrt(dimension)
     if len(impact.bodies) == 1:
         bend = float(np.linalg.norm(falling(scene)))
@@ -115,15 +115,16 @@ def growth_across(instance: Instance, impacts: Sequence[Impact]) -> Array:
 
     Spheres that are off by y_1 and y_2 across that plane meet with a normal that leads out of it:
 
-        n = n_0 + (y_2 - y_1)/(R_1 + R_2) e,    dv_k = -+ (1 + e) w m_1 m_2/(m_1 + m_2)/m_k n,
+        n = n_0 + (y_2 - y_1)/(R_1 + R_2) z,    dv_k = -+ (1 + e) w m_1 m_2/(m_1 + m_2)/m_k n,
 
-    where w is the speed at which they close. So each impact enlarges the error by the length of the
-    flight after it over R_1 + R_2.
+    where z is the unit vector across the plane, e the restitution and w the closing speed. So each
+    impact enlarges the error by the length of the flight after it over R_1 + R_2.
     """
     bodies = instance.scene.bodies
     scales = instance.scales
     (law,) = instance.scene.all(Contact)
-    # Columns: an error of each place, in units of L, and of each velocity, in units of L/tau.
+    # Row i is the error y_i of body i (below, of its velocity y_i'), in units of L and L/tau. The
+    # columns are the initial errors of 1 in each y_j and in each y_j' from which it follows.
     place = np.hstack([np.eye(len(bodies)), np.zeros((len(bodies), len(bodies)))])
     velocity = np.roll(place, len(bodies), axis=1)
     now = instance.times[0] / scales.tau
@@ -131,11 +132,13 @@ def growth_across(instance: Instance, impacts: Sequence[Impact]) -> Array:
     pairs = [impact for impact in impacts if len(impact.bodies) == 2]
     ends = [impact.time for impact in pairs[1:]] + [inf]
     for impact, end in zip(pairs, ends, strict=False):
+        # Free flight: y(t) = y + y' t
         place = place + (impact.time / scales.tau - now) * velocity
         now = impact.time / scales.tau
         first, second = impact.bodies
         mass = bodies.mass[[first, second]]
         reach = (bodies.radius[first] + bodies.radius[second]) / scales.length
+        # y_k' -+= (1 + e) w m_1 m_2/(m_1 + m_2)/m_k (y_2 - y_1)/(R_1 + R_2)
         slope = (place[second] - place[first]) / reach
         impulse = (1 + law.restitution) * impact.closing / scales.speed * mass.prod() / mass.sum()
         velocity = velocity.copy()
@@ -149,14 +152,17 @@ def growth_across(instance: Instance, impacts: Sequence[Impact]) -> Array:
 
 
 def _largest(place: Array, velocity: Array) -> float:
-    """The largest error of any place or velocity (N, 2 N) that errors of 1 at the start make."""
+    """The largest error of any position or velocity (N, 2 N) that initial errors of 1 cause: the
+    infinity norm, max_i sum_j |A_ij|, of both matrices together.
+    """
     return float(np.abs(np.vstack([place, velocity])).sum(axis=1).max())
 
 
 @dataclass(frozen=True)
 class Window:
-    """An impact and two samples, `first` and `last` by number, between which it comes and no other
-    one of its bodies does. In the run it comes at another time by `late_by` [s] at most.
+    """An impact and the numbers `first` and `last` of two samples between which it is the only
+    impact of its bodies. Its time in the run differs from the certified one by at most `late_by`
+    [s].
     """
 
     impact: Impact
@@ -178,8 +184,8 @@ def shortest_wait(impacts: Sequence[Impact]) -> float:
 
 
 def dense_variant(subject: Subject) -> Variant:
-    """The finest level with 2^k samples in place of one, so many that every impact comes alone
-    between two of them, as far as steps allow.
+    """The finest level with 2^k samples in place of one, so many that two samples isolate each
+    impact, as far as the step of the method allows.
     """
     plain = subject.finest
     if subject.truth is None:
@@ -198,11 +204,11 @@ def dense_variant(subject: Subject) -> Variant:
 
 
 def windows(truth: SampledTruth, run: Trajectory, late_by: Sequence[float]) -> list[Window]:
-    """The impacts of the list that come alone between two samples of the run, in their order, up to
-    the last certified one.
+    """The impacts of the list that two samples of the run isolate from all other impacts of the
+    same bodies, in order of time, up to the last certified sample.
 
-    `late_by` [s] is by how much each impact may come earlier or later in the run. Impacts beyond
-    the end of `late_by` are only known to come after those before them.
+    `late_by` [s] bounds the difference between the time of each impact in the run and in the list.
+    Of impacts beyond the end of `late_by` only their order is known.
     """
     impacts = listed(truth.scalars)
     known = impacts[: len(late_by)]

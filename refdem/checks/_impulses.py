@@ -1,10 +1,10 @@
-"""What one impact of a sequence changed, from the last sample before it to the first one after it,
-and by how much a sound method may be off there.
+"""The change of velocities and spins by one impact of a sequence, from the last sample before it to
+the first one after it, and the error that a correct method may make there.
 
-Notation: n is the unit normal from the first body to what it meets, c the closing speed, s the slip
-of the points that touch, P the impulse on the first body, all at the instant s_0 after the first
-sample at which the bodies touch by their own flight from there. In a flight under gravity g
-velocities change by g t and nothing else.
+Notation: n is the unit normal from the first body to the body or plane that it meets, c the closing
+speed, s the slip of the points in contact, P the impulse on the first body. All are taken at the
+instant, `wait` after the first sample, at which free flight from that sample brings the bodies into
+contact. During a flight gravity g changes velocities by g t, and nothing else acts.
 """
 
 from dataclasses import dataclass
@@ -30,12 +30,12 @@ class Touch:
 
 @dataclass(frozen=True)
 class Struck:
-    """One impact as a run shows it.
+    """One impact as seen in the samples of a run.
 
     `closing` and `parting` [m/s] are the speeds along the normal right before and after it, `slip`
     (3,) [m/s] is that of the surfaces before it, `impulse` (3,) [N s] is P, `spun` (N, 3) [N m s]
-    what the spins of the bodies gained. `fastest` [m/s] bounds every speed at which points of the
-    surfaces meet.
+    is the change J dw of the bodies' angular momentum. `fastest` [m/s] bounds every relative speed
+    of two points of the surfaces.
     """
 
     window: Window
@@ -50,7 +50,9 @@ class Struck:
 
 @dataclass(frozen=True)
 class Bodies:
-    """The numbers of what meets: masses [kg], radii [m] and moments of inertia [kg m^2], (N,)."""
+    """The constants of the colliding bodies, (N,) each: masses [kg], radii [m] and moments of
+    inertia [kg m^2].
+    """
 
     mass: Array
     radius: Array
@@ -77,7 +79,7 @@ def bodies_of(scene: Scene, window: Window) -> Bodies:
 
 
 def touch(scene: Scene, run: Trajectory, window: Window) -> Touch | None:
-    """Where the flights from the first sample lead the bodies together; None if they do not."""
+    """The touch of the bodies in free flight from the first sample; None if they do not meet."""
     numbers = list(window.impact.bodies)
     place = run.position[window.first, numbers]
     velocity = run.velocity[window.first, numbers]
@@ -95,7 +97,9 @@ def _on_plane(scene: Scene, place: Array, velocity: Array, radius: float) -> Tou
         height = float((place - np.array(plane.point)) @ away) - radius
         descent = -float(velocity @ away)
         pull = -float(falling(scene) @ away)
-        # height = w t + a t^2/2: of both forms of the root the one without cancellation.
+        # height = w t + a t^2/2, with w the speed of descent and a the part of gravity towards the
+        # plane: t = 2 height/(w + q) if w > 0, else (q - w)/a, q = sqrt(w^2 + 2 a height). In each
+        # case the form without cancellation is used.
         squared = descent**2 + 2.0 * pull * height
         if squared <= 0.0:
             continue
@@ -108,8 +112,8 @@ def _on_plane(scene: Scene, place: Array, velocity: Array, radius: float) -> Tou
 
 
 def _of_pair(apart: Array, relative: Array, reach: float) -> Touch | None:
-    """The touch of two spheres, the second seen from the first: straight lines, for both fall
-    alike.
+    """The touch of two spheres. Relative to the first the second moves along a straight line, since
+    gravity accelerates both equally.
     """
     nearing = -float(apart @ relative)
     if nearing <= 0.0:
@@ -125,7 +129,9 @@ def _of_pair(apart: Array, relative: Array, reach: float) -> Touch | None:
 
 
 def struck(scene: Scene, run: Trajectory, window: Window) -> Struck | None:
-    """What the impact of a window changed; None if the run does not lead its bodies together."""
+    """The change by the impact of a window; None if free flight does not bring the bodies together
+    in it.
+    """
     found = touch(scene, run, window)
     lasting = float(run.t[window.last] - run.t[window.first])
     if found is None or not 0.0 <= found.wait <= lasting:
@@ -134,16 +140,19 @@ def struck(scene: Scene, run: Trajectory, window: Window) -> Struck | None:
     bodies = bodies_of(scene, window)
     pull = falling(scene)
     normal = found.normal
+    # v_before = v(first) + g wait,  v_after = v(last) - g (t_last - t_first - wait)
     before = run.velocity[window.first, numbers] + pull * found.wait
     after = run.velocity[window.last, numbers] - pull * (lasting - found.wait)
     omega = run.omega[[window.first, window.last]][:, numbers]
-    # The points that touch move against each other by v_12 + (R_1 w_1 + R_2 w_2) x n.
+    # Relative velocity of the points in contact: v_12 + (R_1 w_1 + R_2 w_2) x n.
     surface = np.sum(bodies.radius[:, None] * omega[0], axis=0)
     approach = _relative(before) + np.cross(surface, normal)
+    # c = v_12.n before, parting = -v_12.n after; P = m_1 dv_1, and J_i dw_i of each body
     closing = float(approach @ normal)
     parting = -float(_relative(after) @ normal)
     impulse = bodies.mass[0] * (after[0] - before[0])
     spun = bodies.inertia[:, None] * (omega[1] - omega[0])
+    # fastest = |v_12| + sum R_i |w_i|
     spinning = float(bodies.radius @ np.linalg.norm(omega[0], axis=-1))
     fastest = float(np.linalg.norm(_relative(before))) + spinning
     return Struck(
@@ -170,8 +179,8 @@ def _relative(velocity: Array) -> Array:
 
 
 def lateness(subject: Subject, window: Window) -> float:
-    """The delay [s] with which an impact may be seen after the flights touch: nothing where
-    events are located, else a step; the bound on its time for a tolerance.
+    """The delay [s] between the touch of the flights and the step that applies the impact: 0 where
+    events are located, else one step; with a tolerance the bound on the event time.
     """
     method = subject.method
     if method.control == "tolerance":
@@ -185,10 +194,13 @@ def off(subject: Subject, run: Trajectory, found: Struck, pull: float) -> float:
     """The error [m/s] that a speed of the impact may have, in a direction in which gravity has the
     part `pull` [m/s^2].
 
-    - Late by t gravity adds g t, and an order below 2 adds what it gives in a step once more.
-    - Late by t the normal of two spheres has turned by a = w t/R, which an impulse of up to 2 w on
-      either side of it sees as 2 w a (1 + a).
-    - Places that are rounded by d make the touch late by d/c, and turn the normal by d/R.
+    w is `fastest`, c the closing speed, R the sum of radii, t the lateness and h the step.
+
+    - A delay t adds the velocity g t, and a method of order below 2 another g h.
+    - During a delay t the normal of two spheres turns by a = w t/R, which changes the components of
+      an impulse of up to 2 w per effective mass by up to 2 w a (1 + a).
+    - A rounding d of positions delays the touch by d/c, which adds g d/c, and turns the normal by
+      (d/R) max(1, w/c): by more than d/R where spheres nearly pass each other.
     - Velocities are rounded.
     """
     scene = subject.instance.scene
@@ -207,9 +219,10 @@ def off(subject: Subject, run: Trajectory, found: Struck, pull: float) -> float:
     places = float(np.linalg.norm(run.position[found.window.first, numbers], axis=-1).sum())
     reach = float(scene.bodies.radius[numbers].sum())
     rounded = noise * (places + reach)
+    # u (sum |v| + w) + g (t + h + d/c)
     total = of_speeds * (speeds + found.fastest) + pull * (late + unseen + rounded / found.closing)
     if len(numbers) == 2 and "dimension:1" not in scene.features:
-        # Where spheres nearly pass each other a late touch turns the normal by more.
+        # a = (w t + d max(1, w/c))/R;  2 w a (1 + a)
         steep = max(1.0, found.fastest / found.closing)
         turned = (late * found.fastest + rounded * steep) / reach
         total += 2.0 * found.fastest * turned * (1.0 + turned)
@@ -224,14 +237,16 @@ def pulls(scene: Scene, found: Struck) -> tuple[float, float]:
 
 
 def spin_noise(subject: Subject) -> float:
-    """Relative round-off of a spin: that of a velocity, and what turning its axes adds."""
+    """Relative round-off of a spin: that of a velocity, and that of rotating its axes."""
     level = subject.levels[-1]
     return subject.noise(level) + turning(subject.instance, subject.method, level)
 
 
 def by_law(scene: Scene, found: Struck) -> Array:
-    """The impulse (3,) [N s] across the normal that the law gives: against the slip what stops or
-    reverses it, (1 + b) m_t s, cut at mu p.
+    """The impulse (3,) [N s] across the normal according to the law.
+
+    It is -k s, with k = min((1 + b) m_t, mu p/|s|) and p = (1 + e) m_n c: the impulse that stops
+    the slip s, or reverses its part b, limited by friction to mu p.
     """
     law = scene.all(Contact)[0]
     bodies = bodies_of(scene, found.window)

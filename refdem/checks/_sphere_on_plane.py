@@ -1,7 +1,7 @@
-"""Scenes in which one rigid sphere lies on one plane: how its point of contact slips.
+"""Scenes in which one rigid sphere lies on one plane: the slip of its point of contact.
 
-Notation: n is the normal of the plane, R n x m v + J omega the angular momentum about a line of the
-plane through which every force of contact passes.
+Notation: n is the normal of the plane, R the radius, and R n x m v + J omega the angular momentum
+about the point of contact, through which every contact force passes.
 """
 
 import numpy as np
@@ -13,8 +13,9 @@ from refdem.scene.elements.plane import Plane
 from refdem.scene.elements.uniform_gravity import UniformGravity
 
 ROUNDED = 1e-12
-"""Part of the largest length by which rounding may move a sphere off its plane, and part of its
-speed by which it may seem to leave it; that of a scene that was rotated, too.
+"""Bound on the distance of a sphere from its plane, relative to the largest length, and on its
+velocity across the plane, relative to its speed, that are 0 but for rounding. It allows for the
+rounding of a scene that was rotated.
 """
 
 
@@ -52,6 +53,7 @@ def slip_at_start(scene: Scene) -> tuple[Array, Array]:
 
     s' = g_t - mu g_n (1 + m R^2/J) s/|s|, with gravity's parts g_t along the plane and g_n on it.
     """
+    # s = v - R omega x n,  g_n = -g.n,  g_t = g + g_n n
     bodies = scene.bodies
     law = scene.all(Contact)[0]
     normal = np.array(scene.all(Plane)[0].normal)
@@ -63,13 +65,14 @@ def slip_at_start(scene: Scene) -> tuple[Array, Array]:
     size = float(np.linalg.norm(slip))
     if size == 0.0:
         return slip, along
+    # s' = g_t - mu g_n (1 + m R^2/J) s/|s|: friction acts on v, and by its torque on omega.
     leverage = 1 + float(bodies.mass[0]) * radius**2 / float(bodies.inertia[0, 0])
     return slip, along - law.friction * pressing * leverage * slip / size
 
 
 def moment(scene: Scene, velocity: Array, omega: Array) -> Array:
-    """R n x m v + J omega (T, 3) [kg m^2/s] of velocities and spins (T, 3), across the normal: the
-    turn about the normal is not in it.
+    """R n x m v + J (omega - (omega.n) n) (T, 3) [kg m^2/s] of velocities and spins (T, 3): the
+    angular momentum about the point of contact without its component along the normal.
     """
     bodies = scene.bodies
     normal = np.array(scene.all(Plane)[0].normal)
@@ -81,7 +84,7 @@ def moment(scene: Scene, velocity: Array, omega: Array) -> Array:
 
 
 def moment_of_gravity(scene: Scene) -> Array:
-    """The rate R n x m g (3,) [N m] of the moment: no force of contact changes it."""
+    """The rate R n x m g (3,) [N m] of the moment, to which contact forces do not contribute."""
     bodies = scene.bodies
     normal = np.array(scene.all(Plane)[0].normal)
     rate: Array = float(bodies.radius[0] * bodies.mass[0]) * np.cross(normal, gravity_of(scene))

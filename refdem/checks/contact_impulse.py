@@ -1,14 +1,14 @@
 """Impulses between samples of two spheres, or of a sphere and a wall: inside the friction cone, and
 of the size that the contact law gives.
 
-Each step adds forces that obey the law at states near the step. So the impulse J = m dv of an
-interval between two samples is a weighted sum of such forces, whatever the method; J_n is its part
-along the mean normal, J_t the part across.
+Each step adds forces that the law gives for states near the step. So, for any method, the impulse
+J = m dv of an interval between two samples is a weighted sum of such forces; J_n is its component
+along the mean normal, J_t the size of the part across it.
 
-A scheme chooses these states: x and v may be of the start, the middle or the end of a step, and of
-different instants, as in velocity Verlet whose dashpot sees the velocity of the half step. Weights
-sum to 1 and are positive, but for those of multistep and high-order rules (Adams and Bashforth
--1/2, Dormand and Prince -0.32 in all), which matters where forces jump within a step.
+The scheme determines these states. Position and velocity may belong to the start, the middle or the
+end of a step, and to different instants: in velocity Verlet the dashpot uses the velocity of the
+half step. Weights sum to 1. They are positive except in multistep and high-order rules (Adams and
+Bashforth: -1/2; Dormand and Prince: -0.32 in total), which matters where forces jump in a step.
 """
 
 from collections.abc import Mapping
@@ -37,18 +37,20 @@ more stages.
 MOST_DENSE = 64
 """Largest number of samples in place of one."""
 TERMS = 8.0
-"""Roundings in a difference of two velocities: two vectors of three coordinates, and the
-normals.
+"""Number of roundings in a difference of two velocities: three coordinates of each of two vectors,
+and two normals.
 """
 STEPS_OF_SLIP = 2.0
 """Steps of friction within which a slip may alternate: friction of the step before and after."""
 
 
 def alternating_slip(subject: Subject, run: Trajectory, step: float) -> float | None:
-    """The largest slip [m/s] that a step of friction makes where friction without a tangential
-    spring may alternate, since its direction is the sign of a slip that is 0 but for that; else 0.
+    """The largest slip [m/s] that one step of friction produces where friction may alternate in
+    sign from step to step; 0 where it may not.
 
-    None where it may alternate in a scene other than those that this check judges.
+    It may alternate without a tangential spring, since its direction is that of the slip, and a
+    slip of 0 is left with what the last step of friction produced. None where it may alternate in
+    a scene that this check does not judge.
     """
     scene = subject.instance.scene
     soft = [law for law in scene.all(Contact) if law.law != "rigid"]
@@ -74,19 +76,18 @@ class ContactImpulse(Check):
     a spring at its limit may be extrapolated through a step and pass the limit within the order of
     the method.
 
-    normal: the mean normal force lies between the smallest and the largest that the law gives at
-    the four samples around the interval, so that forces of the step before or after are covered.
-    What is allowed beyond is the curvature of the force between samples, by the time scale of the
-    contact and by the way in which spheres pass each other; half of its change where a method takes
-    forces of earlier steps with negative weights; the change of c d' in a step, since a dashpot may
-    see the velocity of another instant than the spring sees the place of; and a step's impulse
-    where the force jumps between the samples. An error that does not depend on the step is visible
-    at the coarsest one.
+    normal: the mean normal force lies between the smallest and the largest force of the law at the
+    four samples around the interval, so that forces of the step before or after are covered. The
+    bound adds the curvature of the force between samples, from the time scale of the contact and
+    from spheres that pass each other; half of its change where a method takes forces of earlier
+    steps with negative weights; the change of c d' in a step, since a dashpot may use the velocity
+    of another instant than that of the overlap; and the impulse of one step where the force jumps
+    between the samples. An error that does not depend on the step is visible at the coarsest one.
 
     sliding: where a sphere slides along a wall without a tangential spring, each force obeys |Ft| =
     mu Fn, and neither the normal nor, in a plane, the direction of slip turns: the sum obeys it
-    too, to round-off. A sphere that rolls has friction that alternates from step to step, and a
-    slip of as much as a step of friction makes: that is no sliding.
+    too, to round-off. Rolling is excluded: there friction alternates from step to step, and the
+    slip is at most the change by one step of friction.
     """
 
     name = "contact-impulse"
@@ -171,10 +172,11 @@ class ContactImpulse(Check):
         is_judged = contact.pushes_throughout & contact.slides_throughout
         if not is_judged.any():
             return []
-        # A negative weight on the last step of a contact may turn the sum over.
+        # A negative weight on the last step of a contact may reverse the sign of the sum.
         normal_impulse = np.abs(contact.normal_impulse)
         difference = np.abs(contact.tangential_impulse - friction * normal_impulse)
-        # Forces whose directions differ by up to `slip_turn` add up to less, by no more than that.
+        # | |J_t| - mu |J_n| | <= mu |J_n| a: forces whose directions differ by at most a, the turn
+        # of the slip, have a sum shorter than the sum of their sizes, by at most that.
         turning = friction * normal_impulse * contact.slip_turn
         allowed = rounding * (1 + friction) + turning / unit
         return [
@@ -204,22 +206,22 @@ class ContactImpulse(Check):
         low, high = contact.normal_force_nearby
         below = np.maximum(0.0, low * interval - contact.normal_impulse)
         above = np.maximum(0.0, contact.normal_impulse - high * interval)
-        # Within a contact the force leaves its chord by F'' dt^2 / 8, with F'' of a few F / tau^2.
-        # At a contact that begins or ends between two samples the force is known from their
-        # velocities up to F' dt, with F' about F / tau.
+        # Within a contact the force deviates from its chord by F'' dt^2/8, with F'' about
+        # 4 F/tau^2, hence by F (dt/tau)^2/2. Where a contact begins or ends between two samples,
+        # these give the force up to F' dt, with F' about F/tau, hence up to F dt/tau.
         interval_share = interval / contact.tau
         relative_change = np.where(contact.begins_or_ends, interval_share, interval_share**2 / 2.0)
         curvature = contact.largest_force * interval * relative_change
-        # Where spheres pass each other, their overlap leaves its chord as their paths are straight.
+        # Where spheres pass each other, the overlap along straight paths deviates from its chord.
         passing = contact.force_of_passing * interval
-        # A sum of multistep weights 3/2 and -1/2 keeps half of the first and of the last force.
+        # Multistep weights 3/2 and -1/2 leave half of the last force minus half of the one before
+        # the first.
         extrapolated = contact.kept_by_multistep_weights
-        # A dashpot that sees the velocity of another instant, by up to a step.
+        # c |d''| h: the dashpot may use the velocity of an instant up to one step away.
         mixed_states = contact.change_of_dashpot * interval
-        # A step across the jump of the force at a touch, with a negative weight.
+        # c |d'| h: one step across the jump of the dashpot's force at a touch, of negative weight.
         jump = np.where(contact.begins_or_ends, contact.dashpot_nearby * contact.step, 0.0)
-        # Friction across one normal has a component along another, in proportion to the angle
-        # between them.
+        # J_t a: friction across one normal has a component along another at the angle a to it.
         tilt = contact.tangential_impulse * contact.normal_turn
         return worst(
             check=self.name,
@@ -261,10 +263,11 @@ def _dense_variant(subject: Subject) -> Variant:
 
 @dataclass(frozen=True)
 class _Contact:
-    """What is seen of one contact in a run with T samples, and what its law says about it.
+    """One contact in a run with T samples: its geometry, and the forces of its law.
 
-    overlap, rate, normal: (T,) [m], (T,) [m/s], (T, 3) as `_contact_geometry` has them. `step` is
-    the step of the run [s], `overlap_rounding` what an overlap may be rounded by [m].
+    overlap, rate, normal: (T,) [m], (T,) [m/s], (T, 3) as returned by `_contact_geometry`. `step`
+    is the step of the run [s], `overlap_rounding` the rounding error of an overlap [m].
+    `looks_back`: the method uses forces of earlier steps.
     """
 
     scene: Scene
@@ -302,12 +305,12 @@ class _Contact:
 
     @property
     def lightness(self) -> float:
-        """The inverse of the effective mass [1/kg]: the sum of 1/m of the bodies."""
+        """The inverse of the effective mass [1/kg], 1/m_eff = sum of 1/m_i over the bodies."""
         return float(np.sum(1.0 / self.scene.bodies.mass))
 
     @property
     def surely_touches(self) -> Mask:
-        """Samples (T,) with an overlap in any precision that the method may compute with."""
+        """Samples (T,) whose overlap is positive by more than its rounding error."""
         return np.asarray(self.overlap > self.overlap_rounding)
 
     @property
@@ -345,9 +348,7 @@ class _Contact:
 
     @cached_property
     def dashpot(self) -> Array:
-        """The force (T,) [N] that the law has at overlap 0, c d', and at least 0 if it never
-        pulls.
-        """
+        """The force (T,) [N] of the law at overlap 0: c d', or max(0, c d') if it never pulls."""
         pushes = self.law.damping * self.rate
         if self.law.cutoff == "zero_force":
             pushes = np.maximum(pushes, 0.0)
@@ -375,21 +376,23 @@ class _Contact:
 
     @cached_property
     def force_of_passing(self) -> Array:
-        """The force (T - 1,) [N] by which the law answers to the bend of the overlap around each
-        interval, where spheres pass each other.
+        """The force (T - 1,) [N] due to the curvature of the overlap around each interval, where
+        spheres pass each other.
 
-        The overlap d = R1 + R2 - |r| of a straight path has d'' = -v_t^2/|r|, with the part v_t of
-        the relative velocity across the normal, and leaves its chord by |d''| dt^2/8. Forces of the
-        step before and after are as far from it as 4 times that.
+        Along a straight path the overlap d = R1 + R2 - |r| has d'' = -v_t^2/|r|, with v_t the part
+        of the relative velocity across the normal, and deviates from its chord by |d''| dt^2/8.
+        Overlaps of the steps before and after deviate from it by up to 4 times as much.
         """
         if len(self.scene.bodies) != 2:
             return np.zeros(len(self.run.t) - 1)
         branch = self.run.position[:, 1] - self.run.position[:, 0]
         relative = self.run.velocity[:, 1] - self.run.velocity[:, 0]
         distance = np.linalg.norm(branch, axis=-1)
+        # v_t^2 = |v|^2 - d'^2,  |d''| = v_t^2/|r|,  sagitta = |d''| dt^2/2
         across = np.linalg.norm(relative, axis=-1) ** 2 - self.rate**2
         bend = np.maximum(across, 0.0) / distance
         sagitta = _extreme_nearby(bend, np.maximum) * np.diff(self.run.t) ** 2 / 2.0
+        # F(d + sagitta) - F(d), at d' = 0
         deepest = np.maximum(_extreme_nearby(self.overlap, np.maximum), 0.0)
         still = np.zeros_like(deepest)
         deeper = _normal_force(self.law, deepest + sagitta, still)
@@ -397,10 +400,10 @@ class _Contact:
 
     @property
     def kept_by_multistep_weights(self) -> Array:
-        """The impulse (T - 1,) [kg m/s] of half of the change of the force in one step, for methods
-        that look back to earlier steps; 0 for others.
+        """Half of the change of the force around the interval times one step (T - 1,) [kg m/s], for
+        methods that use forces of earlier steps; 0 for others.
 
-        Over steps i to j the rule of Adams and Bashforth adds up to
+        Over steps i to j the rule of Adams and Bashforth gives
 
             sum (3/2 F_n - 1/2 F_(n-1)) h = sum F_n h + (F_j - F_(i-1)) h/2.
         """
@@ -414,7 +417,7 @@ class _Contact:
         """The largest change c |d''| h (T - 1,) [N] of the dashpot's force in one step around each
         interval.
 
-        d'' is the larger of what the samples show and F/m_eff, which the law says.
+        |d''| is the larger of |delta d'|/dt between samples and F/m_eff by the law.
         """
         shown = np.abs(np.diff(self.rate)) / np.diff(self.run.t)
         padded = np.concatenate([shown[:1], shown, shown[-1:]])
@@ -457,8 +460,8 @@ class _Contact:
 
     @cached_property
     def slip(self) -> Array:
-        """The slip (T, 3) [m/s] of the first surface against the second: the tangential part of v
-        + omega x arm.
+        """The slip (T, 3) [m/s] of the first surface relative to the second: the tangential part of
+        v_12 + (l_1 omega_1 + l_2 omega_2) x n, with the lever arms l_i = R_i - shortening d.
         """
         bodies = self.scene.bodies
         shorter = self.law.slip_shortening * np.maximum(self.overlap, 0.0)
@@ -480,7 +483,9 @@ class _Contact:
 
     @cached_property
     def slip_change_of_step(self) -> Array:
-        """What one step of friction changes the slip by (T - 1,) [m/s], mu F_n h (1/m + R^2/J)."""
+        """The change of the slip by one step of friction (T - 1,) [m/s]: mu F_n h times the sum of
+        1/m_i + R_i^2/J_i over the bodies.
+        """
         bodies = self.scene.bodies
         # A sphere without inertia is not turned by friction.
         turned = bodies.inertia[:, 0] > 0
@@ -492,11 +497,11 @@ class _Contact:
 
     @cached_property
     def slides_throughout(self) -> Mask:
-        """Intervals (T - 1,) in which the surfaces slip all the time.
+        """Intervals (T - 1,) in which the surfaces slip throughout.
 
-        The slip at both ends is larger than its change between them, and than what the steps before
-        and after make of it: of a sphere that rolls it may be the same at all samples, while
-        friction alternates.
+        The slip at both ends is larger than its change between them, and larger than the change by
+        STEPS_OF_SLIP steps of friction. The second condition excludes spheres that roll: their slip
+        may be equal at all samples while friction alternates.
         """
         speed = np.linalg.norm(self.slip, axis=-1)
         smallest = np.minimum(speed[1:], speed[:-1])
@@ -507,11 +512,11 @@ class _Contact:
 
     @property
     def impulse_of_unlike_step(self) -> Array:
-        """The impulse of one step (T - 1,) [kg m/s] where forces of neighbouring steps are unlike,
-        else 0: there weights of both signs do not cancel.
+        """The impulse of one step (T - 1,) [kg m/s] where forces of neighbouring steps may differ
+        in direction, else 0: a negative weight may then take the sum out of the cone.
 
-        Friction is unlike where the slip may reverse; all of the force, where the contact does not
-        act at both ends of the interval.
+        Friction differs where the slip may reverse: mu F h. All of the force differs where the
+        contact does not act at both ends of the interval: F h.
         """
         acts_at_both_ends = self.acts[1:] & self.acts[:-1]
         low, high = self.normal_force_nearby
@@ -521,8 +526,9 @@ class _Contact:
 
 
 def _normal_force(law: Contact, overlap: Array, rate: Array) -> Array:
-    """The normal force F = k d^e + c d' (T,) [N], positive where it pushes; 0 without overlap
-    d.
+    """The normal force F = k d^e + c d' (T,) [N], positive where it pushes; 0 where d <= 0.
+
+    With the cutoff at zero force it is max(0, F).
     """
     pushes = law.stiffness * np.maximum(overlap, 0.0) ** law.exponent + law.damping * rate
     if law.cutoff == "zero_force":
@@ -553,6 +559,7 @@ def _impulses(scene: Scene, run: Trajectory, normal: Array) -> tuple[Array, Arra
     """Impulses (T - 1,) [kg m/s] on the first sphere: the push along the mean normal, and the size
     of the part across; and the turn of the normal [rad].
     """
+    # J = m_1 dv_1,  J_n = -J.n,  J_t = |J + J_n n|
     impulse = scene.bodies.mass[0] * np.diff(run.velocity[:, 0], axis=0)
     mean_normal = normal[1:] + normal[:-1]
     mean_normal /= np.linalg.norm(mean_normal, axis=-1, keepdims=True)
@@ -566,7 +573,7 @@ def _impulses(scene: Scene, run: Trajectory, normal: Array) -> tuple[Array, Arra
 def _angle_between(a: Array, b: Array) -> Array:
     """The angle (T,) [rad] between unit vectors a and b (T, 3), 2 arcsin(|a - b|/2).
 
-    It is taken from the length of their difference: its cosine would lose half of the digits.
+    It is computed from the chord, since the arc cosine of a.b would lose half of the digits.
     """
     chord = np.linalg.norm(a - b, axis=-1)
     angle: Array = 2.0 * np.arcsin(np.minimum(1.0, chord / 2.0))
@@ -591,10 +598,11 @@ def _contact_geometry(scene: Scene, run: Trajectory) -> tuple[Array, Array, Arra
     """
     for wall in scene.all(Plane):
         outward = np.array(wall.normal)
+        # d = R - (r - p).n,  d' = -v.n
         height = (run.position[:, 0] - np.array(wall.point)) @ outward
         normals: Array = np.broadcast_to(-outward, run.position[:, 0].shape)
         return scene.bodies.radius[0] - height, -run.velocity[:, 0] @ outward, normals
-    # Two spheres: the branch vector from the first centre to the second.
+    # Two spheres, r from the first centre to the second: d = R1 + R2 - |r|,  d' = v_12.r/|r|.
     branch = run.position[:, 1] - run.position[:, 0]
     distance = np.linalg.norm(branch, axis=-1)
     normal: Array = branch / distance[:, None]

@@ -74,6 +74,7 @@ class ContactLine(Check):
         rounding = flight(subject.instance, subject.method, variant.level)
         allowed = claimed + rounding
         coarsest = subject.levels[0]
+        # Extrapolated from the coarsest level: excess(h) = excess(h_0) (h/h_0)^p.
         if variant.level != coarsest and subject.method.control == "step":
             coarse = float(np.max(_excess(subject, runs[Variant(coarsest)].trajectory)))
             fallen = coarse * (variant.level / coarsest) ** subject.order
@@ -84,9 +85,10 @@ class ContactLine(Check):
                     "truncation error extrapolated from the coarsest step with the claimed order"
                 )
             allowed = np.minimum(allowed, extrapolated)
-        # Friction takes from m R v what it gives to J omega: how far either moves is the signal.
+        # Friction adds to J omega what it takes from R n x m v. Either change is the signal.
+        # |J (omega - omega_0)|/size
         spun_up = scene.bodies.inertia[0, 0] * (run.omega[:, 0] - run.omega[0, 0])
-        # Friction acts: a run in which nothing is exchanged has a signal too small for any bound.
+        # A run that exchanges nothing, although friction acts, has a signal below any bound.
         exchanged = np.maximum(np.linalg.norm(spun_up, axis=1), np.finfo(float).tiny)
         signal: Array = exchanged / _size(subject)
         return [
@@ -108,8 +110,9 @@ class ContactLine(Check):
 
 
 def _excess(subject: Subject, run: Trajectory) -> Array:
-    """What the moment has gained beyond that of gravity (T,), in units of `_size`."""
+    """The change of the moment beyond that by gravity (T,), in units of `_size`."""
     scene = subject.instance.scene
+    # |M(t) - M(0) - R n x m g t|/size
     now = moment(scene, run.velocity[:, 0], run.omega[:, 0])
     elapsed = (run.t - run.t[0])[:, None]
     gained = now - now[0]
@@ -118,7 +121,7 @@ def _excess(subject: Subject, run: Trajectory) -> Array:
 
 
 def _size(subject: Subject) -> float:
-    """The sum of m R |v| and J |omega| at the start, and of what gravity makes of them in the run
+    """m R |v| + J |omega| at the start plus |R n x m g| T at the end of a run of length T
     [kg m^2/s].
     """
     scene = subject.instance.scene

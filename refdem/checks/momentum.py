@@ -86,7 +86,7 @@ def _meets_in_sequence(subject: Subject) -> bool:
 
 
 def _falls_between_impacts(subject: Subject) -> bool:
-    """True if spheres fall on planes and on each other, and truth, if any, lists their impacts."""
+    """True for impacts of spheres under gravity, listed by truth if there is one."""
     scene = subject.instance.scene
     if not is_sequence(scene) or not np.any(falling(scene)):
         return False
@@ -117,11 +117,11 @@ def _of_total(subject: Subject, run: Trajectory) -> Finding:
 
 
 def _in_slow_motion(subject: Subject) -> float:
-    """Factor >= 1 by which round-off is larger in units of the initial sum of m |v|.
+    """Factor >= 1 on the round-off of momentum in units of the initial sum of m |v|.
 
-    Velocities are rounded relative to their own size, and the factor is 1. Velocities that are
-    differences of positions have the roundings of positions, in units of the speed scale V = L/tau,
-    however slowly the bodies move: the factor is (sum m) V/(sum m |v|).
+    It is 1 for velocities that are rounded relative to their own size. Velocities computed as
+    differences of positions have the rounding errors of positions, u V with the speed scale V =
+    L/tau, however slowly the bodies move: the factor is (sum m) V/(sum m |v|).
     """
     if not subject.method.differenced_velocities:
         return 1.0
@@ -131,8 +131,8 @@ def _in_slow_motion(subject: Subject) -> float:
 
 
 def _of_pairs(subject: Subject, plain: Trajectory, run: Trajectory) -> list[Finding]:
-    """The largest change of the momentum of two bodies that meet, in units of the impulse (1 + e)
-    m_n c of the law; none if no impact is alone between two samples.
+    """The largest change of the momentum of two colliding bodies, in units of the impulse (1 + e)
+    m_n c of the law; empty if no two samples isolate an impact.
 
     e is the restitution, m_n = 1/(1/m_1 + 1/m_2) and c the certified closing speed.
     """
@@ -149,7 +149,8 @@ def _of_pairs(subject: Subject, plain: Trajectory, run: Trajectory) -> list[Find
         numbers = list(window.impact.bodies)
         momenta = bodies.mass[:, None] * run.velocity[[window.first, window.last]][:, numbers]
         exchanged = (1.0 + law.restitution) * bodies.normal_mass * window.impact.closing
-        # m_1 v_1 + m_2 v_2 after the impact, less the same before it.
+        # |(m_1 v_1 + m_2 v_2)(last) - (m_1 v_1 + m_2 v_2)(first)|/((1 + e) m_n c), up to
+        # u sum m_i |v_i|/((1 + e) m_n c), summed over both bodies and both samples.
         change = momenta[1].sum(axis=0) - momenta[0].sum(axis=0)
         times.append(window.impact.time)
         values.append(float(np.linalg.norm(change)) / exchanged)
@@ -179,6 +180,7 @@ def _in_flights(subject: Subject, run: Trajectory) -> Finding:
     truth = certified(subject)
     if truth is None:
         return undecided(Momentum.name, "flights", no_truth(subject))
+    # |v(t') - v(t) - g (t' - t)|/V
     fallen = falling(subject.instance.scene) * np.diff(run.t)[:, None, None]
     departure = np.linalg.norm(np.diff(run.velocity, axis=0) - fallen, axis=-1)
     is_flight = _flights(subject, truth, run)
@@ -202,7 +204,10 @@ def _in_flights(subject: Subject, run: Trajectory) -> Finding:
 
 
 def _flights(subject: Subject, truth: SampledTruth, run: Trajectory) -> Array:
-    """True (T - 1, N) where a body certainly has no impact between two samples."""
+    """True (T - 1, N) where a body certainly has no impact between two successive samples.
+
+    False beyond the last certified sample, and from the first impact whose time is not bounded.
+    """
     impacts = listed(truth.scalars)
     late = _late_by(subject, truth, run)
     begin = run.t[:-1]
@@ -230,6 +235,7 @@ def _exchanged(subject: Subject, run: Trajectory) -> Array:
 
     It is the signal: the momentum that the bodies exchange.
     """
+    # max over i of m_i |v_i(t) - v_i(0)| / sum m |v(0)|
     change = subject.instance.scene.bodies.mass[:, None] * (run.velocity - run.velocity[0])
     largest: Array = np.linalg.norm(change, axis=-1).max(axis=1) / momentum_scale(subject.instance)
     rounding = subject.round_off(subject.levels[0])

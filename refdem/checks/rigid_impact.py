@@ -1,8 +1,8 @@
-"""What rigid spheres do to each other and to planes when they meet: restitution out against
-restitution in, an impulse in the friction cone, friction and spins as the law has them.
+"""Impacts of rigid spheres with each other and with planes against the law: restitution, an impulse
+in the friction cone, the friction and the change of spins.
 
-One impact needs no truth. Of impacts in sequence the certified list says which bodies meet when;
-what each of them does is judged between the samples around it (_impulses.py).
+A single impact needs no truth. Of impacts in sequence the certified list gives the bodies and the
+times; each impact is judged between the samples around it (_impulses.py).
 """
 
 from collections.abc import Callable, Mapping
@@ -34,11 +34,11 @@ TURNED = "off by at most what the normal turns within a step that sees the impac
 
 @dataclass(frozen=True)
 class Exchange:
-    """What one impact changed: the speed along the normal at which the bodies close and part
-    [m/s], and the impulse on the first one along and across the normal [N s].
+    """The change by one impact: the speeds along the normal at which the bodies close and part
+    [m/s], and the impulse on the first one along (`pressing`) and across (`rubbing`) it [N s].
 
-    `approach` is their relative speed before, `speeds` the sum of all speeds whose rounding counts
-    [m/s].
+    `approach` is the relative speed of the centres before the impact, `speeds` the sum of the
+    speeds that enter with their rounding errors [m/s].
     """
 
     approach: float
@@ -50,14 +50,15 @@ class Exchange:
 
 
 class RigidImpact(Check):
-    """The samples before and after an impact, laid beside the law.
+    """The samples before and after an impact, compared with the law.
 
-    Of a single impact they are the first and the last one, without any truth. The normal is where
-    straight lines from the first sample meet. Nothing but the impact acts, so that every method is
-    exact up to it and after it: there is no truncation error. A method that sees the impact at the
-    end of a step h sees it up to h V beyond, where the normal between two spheres has turned by up
-    to a = h V/R. So an impulse, which is at most 4 V m_n, is off by at most 4 V m_n a (1 + a). Of a
-    sequence every impact is judged that comes alone between two samples.
+    For a single impact these are the first and the last sample, and no truth is needed. The normal
+    is that at the contact of free flights along straight lines from the first sample. Nothing but
+    the impact acts, so that every method is exact before and after it: there is no truncation
+    error. A method that applies the impact at the end of a step h does so up to h V beyond the
+    contact, where the normal between two spheres has turned by up to a = h V/R. So the error of an
+    impulse, which is at most 4 V m_n, is at most 4 V m_n a (1 + a). Of a sequence every impact is
+    judged that two samples isolate.
     """
 
     name = "rigid-impact"
@@ -105,7 +106,9 @@ class RigidImpact(Check):
         fastest = _fastest(scene)
         turned = _turn_of_normal(subject, fastest)
         rounding = subject.noise(subject.levels[-1]) * found.speeds
-        # A place that is rounded turns the normal by more where spheres nearly pass each other.
+        # off = 4 V a (1 + a) + u sum |v| max(1, w/c): where spheres nearly pass each other, a
+        # rounded position turns the normal by more, in the ratio of relative speed w and closing
+        # speed c.
         steep = max(1.0, found.approach / found.closing)
         off = SIDES * fastest * turned * (1 + turned) + rounding * steep
         allowed = off / found.closing
@@ -116,6 +119,7 @@ class RigidImpact(Check):
             )
             return [undecided(self.name, "restitution", why)]
         findings = [self._restitution(scene, found, allowed)]
+        # (|p_t| - mu p_n)/(m V), positive outside the cone
         law = scene.all(Contact)[0]
         mass = subject.instance.scales.mass
         beyond = max(0.0, found.rubbing - law.friction * found.pressing) / (mass * speed)
@@ -160,9 +164,9 @@ def _list(subject: Subject) -> list[Impact]:
 
 @dataclass(frozen=True)
 class Departure:
-    """The departure of one impact from the law, and the one that a sound method may show [1].
+    """The deviation of one impact from the law, and its bound for a correct method [1].
 
-    `words` say what is seen and when.
+    `words` state the observed value or the time, for the finding.
     """
 
     value: float
@@ -181,7 +185,8 @@ Measure = Callable[[Subject, Trajectory, Struck], Departure]
 def _in_sequence(subject: Subject, plain: Trajectory, run: Trajectory) -> list[Finding]:
     """The impacts of the certified list, each by its impulse; one finding for each part of it.
 
-    The plain run shows how late impacts may come, the other one, of denser samples, what they do.
+    The plain run gives the bounds on the times of the impacts, `run`, with denser samples, the
+    velocities around them.
     """
     truth = certified(subject)
     if truth is None:
@@ -239,6 +244,7 @@ def _worst_of(
 
 def _restitution_of(subject: Subject, run: Trajectory, found: Struck) -> Departure:
     """The parting over the closing speed, against the law's."""
+    # |parting/c - e| <= (1 + e) off/c
     given = subject.instance.scene.all(Contact)[0].restitution
     ratio = found.parting / found.closing
     along, _ = pulls(subject.instance.scene, found)
@@ -253,34 +259,42 @@ def _friction_of(subject: Subject, run: Trajectory, found: Struck) -> Departure:
     """The impulse across the normal against the law's, in units of effective mass times the closing
     speed.
 
-    The law takes the impulse that stops the slip to the nearest point of the friction cone, so that
-    it carries errors on with at most (1 + b) m_t of the slip and mu (1 + e) m_n of the speed.
+    The law projects the impulse (1 + b) m_t s on the friction cone |P_t| <= mu (1 + e) m_n c. So an
+    error of the slip s enters with a factor of at most (1 + b) m_t, and one of the closing speed c
+    with at most mu (1 + e) m_n.
     """
     scene = subject.instance.scene
     law = scene.all(Contact)[0]
     bodies = bodies_of(scene, found.window)
     unit = bodies.normal_mass * found.closing
+    # |P - (P.n) n - P_law|/(m_n c)
     across = found.impulse - float(found.impulse @ found.normal) * found.normal
     departure = float(np.linalg.norm(across - by_law(scene, found))) / unit
+    # ((1 + b) m_t + mu (1 + e) m_n) (error of a speed)
     carried = (1.0 + law.slip_restitution) * bodies.tangential_mass
     carried += law.friction * (1.0 + law.restitution) * bodies.normal_mass
     along, across_normal = pulls(scene, found)
     spinning = spin_noise(subject) * found.fastest
     by_slip = carried * (off(subject, run, found, along + across_normal) + spinning)
-    # The impulse that is seen is a difference of two velocities of the first body.
+    # The observed impulse is m_1 times a difference of two velocities.
     by_speeds = 2.0 * float(bodies.mass[0]) * off(subject, run, found, across_normal)
     return Departure(departure, (by_slip + by_speeds) / unit, _when(found))
 
 
 def _spin_of(subject: Subject, run: Trajectory, found: Struck) -> Departure:
-    """J times the change of omega against the moment R n x P of the impulse that is seen, in units
-    of R times effective mass times the closing speed.
+    """J times the change of omega against the moment R n x P of the observed impulse, in units of R
+    times effective mass times the closing speed.
+
+    The moment is the same for both bodies: the lever arm and the impulse of the second one are both
+    of opposite sign.
     """
     scene = subject.instance.scene
     bodies = bodies_of(scene, found.window)
     unit = bodies.normal_mass * found.closing * bodies.radius
+    # |J_i dw_i - R_i n x P|/(R_i m_n c)
     moment = bodies.radius[:, None] * np.cross(found.normal, found.impulse)
     departure = float(np.max(np.linalg.norm(found.spun - moment, axis=1) / unit))
+    # u J_i (|w_i| before + |w_i| after)/(R_i m_n c), and 2 m_1 (error of a speed)/(m_n c)
     numbers = list(found.window.impact.bodies)
     rows = [found.window.first, found.window.last]
     omega = np.linalg.norm(run.omega[rows][:, numbers], axis=-1).sum(axis=0)
@@ -292,12 +306,12 @@ def _spin_of(subject: Subject, run: Trajectory, found: Struck) -> Departure:
 
 
 def _when(found: Struck) -> str:
-    """When an impact is due, in words."""
+    """The certified time of an impact, in words."""
     return f"the one at t = {found.window.impact.time:.6g} s"
 
 
 def _fastest(scene: Scene) -> float:
-    """V [m/s]: the relative speed of the centres and the speeds of the surfaces about them."""
+    """V = |v_12| + sum R_i |omega_i| [m/s]: a bound on relative speeds of surface points."""
     bodies = scene.bodies
     relative = bodies.velocity[0]
     if len(bodies) == 2:
@@ -307,7 +321,11 @@ def _fastest(scene: Scene) -> float:
 
 
 def _turn_of_normal(subject: Subject, fastest: float) -> float:
-    """The angle [rad] by which the normal may be off because the impact is seen late."""
+    """The angle a = h V/R [rad] by which the normal turns in a step h, with the sum R of the radii.
+
+    It is the error of the normal if the impact is applied at the end of a step. For a plane, and
+    where events are located, it is 0.
+    """
     scene = subject.instance.scene
     method = subject.method
     if scene.all(Plane) or method.control != "step" or method.locates_events:
@@ -316,9 +334,9 @@ def _turn_of_normal(subject: Subject, fastest: float) -> float:
 
 
 def exchange(scene: Scene, run: Trajectory) -> Exchange | None:
-    """What the impact changed from the first sample to the last; None if none is due by then.
+    """The change by the impact from the first sample to the last; None without an impact between.
 
-    Until it is due, and with what velocity, follows from the first sample by straight lines.
+    Its time and normal follow from free flight along straight lines from the first sample.
     """
     meeting = _meeting(scene, run)
     if meeting is None:
@@ -328,6 +346,7 @@ def exchange(scene: Scene, run: Trajectory) -> Exchange | None:
         return None
     masses = scene.bodies.mass
     relative = [_relative(run, row) for row in (0, -1)]
+    # J = m_1 dv_1,  J_n = -J.n,  J_t = |J + J_n n|
     impulse = masses[0] * (run.velocity[-1, 0] - run.velocity[0, 0])
     pressing = -float(impulse @ normal)
     rubbing = float(np.linalg.norm(impulse + pressing * normal))
@@ -342,7 +361,7 @@ def exchange(scene: Scene, run: Trajectory) -> Exchange | None:
 
 
 def _relative(run: Trajectory, row: int) -> Array:
-    """The velocity (3,) of the first sphere against the second, or against a plane."""
+    """The velocity (3,) of the first sphere relative to the second, or to a plane."""
     velocity: Array = run.velocity[row, 0]
     if run.velocity.shape[1] == 2:
         velocity = velocity - run.velocity[row, 1]
@@ -350,8 +369,8 @@ def _relative(run: Trajectory, row: int) -> Array:
 
 
 def _meeting(scene: Scene, run: Trajectory) -> tuple[Array, float] | None:
-    """The unit normal (3,) from the first sphere on and the time [s] after the first sample at
-    which they meet; None if the first sample shows nothing that comes nearer.
+    """The unit normal (3,), away from the first sphere, and the time [s] after the first sample of
+    the impact by free flight; None if the bodies do not meet.
     """
     bodies = scene.bodies
     for plane in scene.all(Plane):

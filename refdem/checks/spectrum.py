@@ -1,16 +1,16 @@
-"""The lines of a driven oscillator, in amplitude and phase: those of the drives, and those that a
-spring which is not linear makes of them (1.122), (1.123), or a cycle of its own (1.124).
+"""The spectral lines of a driven oscillator, in amplitude and phase: those of the drives, and those
+at combination frequencies, from a nonlinear spring (1.122), (1.123), or a limit cycle (1.124).
 
 A line is a linear map of the samples, c = sum_j l_j x_j (mechanics.spectral_lines), the same for
 the run and for the certified motion. So its error is the map of the errors of the samples,
 
     |c - c_true|  =  |sum_j l_j (x_j - x_j,true)|  <=  sum_j |l_j| bound_j
 
-without any approximation, however long the motion remembers its start. c is complex: an error of
-its amplitude and one of its phase are both at most |c - c_true|, the latter in units of |c|.
+without any approximation, however slowly the transient decays. c is complex: |c - c_true| bounds
+the error of its amplitude, and, in units of |c|, that of its phase.
 
-Van der Pol's cycle has a frequency w that no formula has: it is read off the certified motion. The
-map is linear at any w, so that the bound does not depend on how well w is known.
+The frequency w of van der Pol's cycle has no closed form: it is found from the certified motion.
+The map is linear for any w, so the bound does not depend on the accuracy of w.
 """
 
 from collections.abc import Mapping
@@ -50,22 +50,24 @@ from refdem.scene.elements.uniform_gravity import UniformGravity
 Complex = NDArray[np.complex128]
 
 SMALLEST = float(np.finfo(float).tiny)
-"""[m]. The signal of a line that the motion leaves where it starts: no bound decides anything."""
+"""Signal [m] of a line to which the motion does not contribute: no bound is below it."""
 PLACE = "x"
 """The quantity whose lines are judged."""
 AMPLIFIED = 10.0
-"""Factor by which a line may amplify errors of the samples: beyond it, an error within the horizon,
-a tenth of the scale, may be all of the motion. It is 2 for lines that the samples tell apart well.
+"""Largest factor by which a line may amplify errors of the samples. Beyond it, an error within the
+horizon, a tenth of the scale, may be as large as the motion. It is 2 for lines that the samples
+resolve well.
 """
 FADED = 9.0
-"""Exponent by which van der Pol's motion has come near to its cycle before lines are read: figure
-1.25 leaves out 45 s, at mu = 0.2.
+"""Exponent mu t of the decay exp(-mu t) towards van der Pol's cycle from which on samples are used:
+figure 1.25 omits 45 s, at mu = 0.2.
 """
 CYCLE_ORDER = 5
-"""Order up to which a cycle and a drive are mixed: 3w-2wd is the last line that figure 1.25 names.
+"""Largest order |j| + |k| of a line j w + k wd of a cycle and a drive. The last line that figure
+1.25 names is 3w-2wd.
 """
 FEWEST = 2
-"""Samples of a settled motion without which there is nothing to read."""
+"""Smallest number of samples on the cycle from which lines are computed."""
 ROUND = 1.0
 """Largest mu/w0 of a cycle that is nearly a sine: beyond it, relaxation has lines of all orders."""
 
@@ -78,7 +80,7 @@ class Lines:
     rows: Complex
 
     def amplified(self, errors: Array) -> Array:
-        """The largest errors (K,) of the lines that errors (T,) of the samples can make."""
+        """Bounds (K,) on errors of the lines from errors e (T,) of the samples, sum_j |l_j| e_j."""
         largest: Array = np.abs(self.rows) @ errors
         return largest
 
@@ -133,7 +135,8 @@ class Spectrum(Check):
         for k, line in enumerate(found.lines):
             certified_line = complex(found.rows[k] @ true)
             error = complex(found.rows[k] @ off[-1])
-            # A body that never moves has a shift, too: what it lacks is the line of the motion.
+            # The signal is the line of x - x(0): the constant x(0) alone, which a body at rest has,
+            # also contributes to the shift.
             moved = abs(complex(found.rows[k] @ (true - true[0])))
             signal = SMALLEST
             if moved > rounding[k]:
@@ -186,7 +189,7 @@ def has_a_cycle(scene: Scene) -> bool:
 
 
 def drives_of(scene: Scene) -> list[float]:
-    """The angular frequencies [rad/s] of the forces that act, each once, in their order."""
+    """The distinct angular frequencies [rad/s] of the periodic forces, in their order."""
     frequencies: list[float] = []
     for force in scene.all(Force):
         is_new = all(abs(force.frequency - w) > SAME * w for w in frequencies)
@@ -196,10 +199,10 @@ def drives_of(scene: Scene) -> list[float]:
 
 
 def lines_of(scene: Scene, t: Array, true: Array | None = None) -> Lines | None:
-    """The lines that the spring makes of the drives, and their map from samples at t (T,) [s]; None
-    where these do not tell the lines apart.
+    """The lines of the drives and of their combinations by the spring, and their map from samples
+    at t (T,) [s]; None where the samples do not resolve the lines.
 
-    Those of a cycle stand where the `true` motion (T,) has them, or near it without one.
+    The frequency of a cycle is that of the `true` motion (T,), or approximate without one.
     """
     if has_a_cycle(scene):
         return _lines_of_cycle(scene, t, true)
@@ -219,17 +222,17 @@ def lines_of(scene: Scene, t: Array, true: Array | None = None) -> Lines | None:
 
 
 def _told_apart(lines: tuple[Line, ...], rows: Complex | None) -> Lines | None:
-    """The lines and their map, or None where it is none, or amplifies errors too much."""
+    """The lines and their map; None without a map, or if max_k sum_j |l_kj| > AMPLIFIED."""
     if rows is None or np.max(np.sum(np.abs(rows), axis=1)) > AMPLIFIED:
         return None
     return Lines(lines, rows)
 
 
 def _lines_of_cycle(scene: Scene, t: Array, true: Array | None) -> Lines | None:
-    """The lines of a cycle and a drive, and their map from the samples at which the motion has come
-    near to its cycle, of weight 0 before.
+    """The lines of a cycle and a drive, and their map from the samples at which the motion is close
+    to its cycle; earlier samples have weight 0.
 
-    Of the `true` motion (T,) those lines are kept that stand above what all of them leave of it.
+    With the `true` motion (T,) only lines with amplitudes above the residual of all lines are kept.
     """
     (spring,) = scene.all(Spring)
     (dashpot,) = scene.all(Dashpot)
@@ -241,7 +244,7 @@ def _lines_of_cycle(scene: Scene, t: Array, true: Array | None) -> Lines | None:
     settled = t[is_settled]
     if len(settled) < FEWEST:
         return None
-    # The free cycle, to second order in mu.
+    # The free cycle, to second order in mu: w = w0 (1 - (mu/w0)^2/16)
     cycle = w0 * (1 - (mu / w0) ** 2 / 16)
     if true is not None:
         cycle = cycle_frequency(settled, true[is_settled], cycle, drive, CYCLE_ORDER)
@@ -258,9 +261,10 @@ def _lines_of_cycle(scene: Scene, t: Array, true: Array | None) -> Lines | None:
 
 
 def _standing_out(found: Lines, t: Array, x: Array, rows: Complex) -> Lines:
-    """The lines whose amplitude is above what all of them leave of x (T,) at t (T,) [s], which
-    `rows` (K, T) map.
+    """The lines whose amplitude exceeds the residual of all lines in x (T,) at t (T,) [s]; `rows`
+    (K, T) is their map.
     """
+    # |c_k| > max over t of |x(t) - Re sum_k c_k exp(i w_k t)|
     amplitudes = rows @ x
     explained = sum(
         np.real(c * np.exp(1j * line.frequency * t))
@@ -272,7 +276,9 @@ def _standing_out(found: Lines, t: Array, x: Array, rows: Complex) -> Lines:
 
 
 def _rounding(subject: Subject, truth: SampledTruth, found: Lines) -> Array:
-    """Error (K,) [m] of the lines that round-off of the samples makes, and the radius of truth."""
+    """Bounds (K,) [m] on the errors of the lines by round-off of the samples and by the radius of
+    truth.
+    """
     count = found.rows.shape[1]
     noise = COUNTING_FLOOR * subject.noise(subject.levels[-1]) * truth.growth()[:count]
     scale = subject.instance.quantities[PLACE].scale
@@ -285,12 +291,12 @@ def _bounds(
     """Bounds (K,) [m] on the errors of the lines at the finest level, and the basis of each, from
     the errors `off` (count,) [m] of the samples, level by level.
 
-    The claimed order says what is left at the finest level of the largest error of any line at
-    coarser ones; that of a single line may pass through zero there by chance. A level that differs
-    from the finest by more than HORIZON predicts nothing: where a motion has lost its phase, no
-    line is off by more than all of it, and the error is no power of the step. Of motions whose
-    phase and amplitude drift within the bounds of order 1 or 2, five of 15 740 were above a bound
-    from all levels, and none of 38 787 above this one.
+    The claimed order extrapolates the largest error of any line at coarser levels to the finest
+    one; the error of a single line may be zero at a coarser level by chance. A level that differs
+    from the finest by more than HORIZON is not used: once the phase is lost, the error of a line is
+    bounded by its amplitude, and is no power of the step. Of motions whose phase and amplitude
+    drift within the bounds of order 1 or 2, five of 15 740 exceeded a bound from all levels, and
+    none of 38 787 this one.
     """
     count = found.rows.shape[1]
     level = subject.levels[-1]

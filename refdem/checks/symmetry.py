@@ -1,5 +1,5 @@
-"""Symmetries of mechanics: a scene that is shifted, rotated, boosted, mirrored, relabelled,
-rescaled or delayed moves in the same way.
+"""Symmetries of mechanics: shifting, rotating, boosting, mirroring, relabelling, rescaling or
+delaying a scene transforms its motion and does not change it otherwise.
 
 An *image* of the scene is the scene after such a transformation. The run of an image, transformed
 back, must agree with the plain run to round-off. No truth is needed.
@@ -47,13 +47,13 @@ from refdem.scene.shapes import extent
 DRAWS = (16, -16, 1, -1)
 """Further perturbations of the start, in units of `perturbation`/64, where rounding decides.
 
-A decision that rounding makes lies within a rounding of a threshold, so of two starts on either
-side of it, by more than a rounding, one decides otherwise. The small ones are for motions that grow
-so fast that large ones no longer show it.
+Rounding decides where a quantity is within one rounding of a threshold. Of two starts that lie by
+more than a rounding on either side of it, one decides otherwise. The small amounts are for motions
+whose errors grow so fast that the effect of a decision is invisible with large ones.
 """
 REORDERED = frozenset({"rotated", "mirrored", "relabelled", "rescaled"})
-"""Pictures that change how contact iterations run: contacts are found in another order or
-elsewhere, or a tolerance has other units.
+"""Images that change the iterations over contacts: contacts are found in another order or at other
+points, or a tolerance has other units.
 """
 
 
@@ -165,8 +165,8 @@ class Symmetry(Check):
         return self._difference(level.subject, name, difference, rounding, ONLY)
 
     def _image(self, level: "Level", name: str) -> Finding:
-        """The finding that an image, transformed back, is the plain run, but for what a rounding
-        may decide.
+        """The finding that an image, transformed back, equals the plain run to round-off and
+        decisions by rounding.
         """
         subject = level.subject
         compared = level.compared(name)
@@ -227,7 +227,7 @@ class Symmetry(Check):
         order = subject.order
         truncation = (2 * subject.truncation(finest)) * growth
         count = scored(truncation)
-        # The difference at the coarsest level, fallen with the order less 1/2, or round-off.
+        # d(h) <= max(d(h_0) (h/h_0)^(p - 1/2), round-off), with h_0/h = 2^octaves
         octaves = np.log2(coarsest / finest)
         extrapolated = float(np.max(coarse)) / 2.0 ** (octaves * (order - 0.5))
         view = symmetry.of(subject.instance, "rotated")
@@ -270,7 +270,7 @@ class Level:
     runs: Mapping[Variant, CompletedRun]
     level: float
     _held: dict[str, Trajectory | None] = field(default_factory=dict, init=False)
-    """The image that was asked for last: of a large gas there is room for few."""
+    """The last image requested. Only one is kept, to limit the memory for a large gas."""
 
     @cached_property
     def plain(self) -> Trajectory:
@@ -309,8 +309,8 @@ class Level:
         return Compared(difference, growth, rounding)
 
     def agrees_with(self, name: str) -> bool:
-        """True if an image, transformed back, is the plain run to round-off at every sample, and
-        round-off leaves something to see at each.
+        """True if an image, transformed back, equals the plain run to round-off at every sample,
+        and round-off is small enough at each for the comparison to count.
         """
         if Variant(self.level) not in self.runs or self.image(name) is None:
             return False
@@ -322,11 +322,11 @@ class Level:
         return bool(np.all(difference <= rounding))
 
     def least_beside_impacts(self, name: str, bounds: Array) -> Array:
-        """The smallest difference (T,) of an image from the plain run, either of them as it may be
-        seen beside its impacts, where a rounding decides on which side of the impact a sample is;
-        infinite without certified impacts.
+        """The smallest difference (T,) between an image and the plain run, with samples next to an
+        impact taken before or after it in either run; infinite without certified impacts.
 
-        `bounds` (T,) is by how much the states of both may differ.
+        Next to an impact a rounding decides on which side of it a sample is. `bounds` (T,) bounds
+        the difference of the states of both runs.
         """
         least = np.full(len(self.plain.t), np.inf)
         subject = self.subject
@@ -365,8 +365,8 @@ def _has_axes(subject: Subject) -> bool:
 
 
 def _first_level(subject: Subject) -> float:
-    """The level at which images are compared first: the coarsest, as runs that agree there to
-    round-off agree best of all; the tightest tolerance where the engine chooses its steps.
+    """The level at which images are compared first: the coarsest, where agreement to round-off is
+    the strongest evidence; the tightest tolerance where the engine chooses its steps.
     """
     if subject.method.control == "tolerance":
         return subject.levels[-1]
@@ -385,8 +385,9 @@ def level_for(subject: Subject) -> float:
 def growth_of(subject: Subject, level: float, perturbed: Trajectory, base: Trajectory) -> Array:
     """Growth of an early error (T,): S of the truth, or the growth of the perturbed start.
 
-    S is that of the true motion. A run that has left it, as one whose steps are too long for a
-    close passage, grows as its own perturbed start shows from there on.
+    S is the growth along the true motion. From where a run has departed from it, for example in
+    a close passage with too long steps, the growth is the larger of S and that of its perturbed
+    start.
     """
     truth = certified(subject)
     observed = growth_shown(subject.instance, subject.method, perturbed, base)
@@ -399,8 +400,8 @@ def growth_of(subject: Subject, level: float, perturbed: Trajectory, base: Traje
 
 
 def _growth_across(subject: Subject) -> Array:
-    """Growth (T,) of what rounding adds to a rotated motion out of its line or its plane: see
-    `growth_across`; 1 where truth knows of no impacts.
+    """Growth (T,) of rounding errors that lead a rotated motion out of its line or plane, by
+    `growth_across`; 1 without certified impacts.
     """
     truth = certified(subject)
     if truth is None or not is_sequence(subject.instance.scene):
@@ -409,14 +410,13 @@ def _growth_across(subject: Subject) -> Array:
 
 
 def round_off(subject: Subject, level: float, view: symmetry.Symmetry) -> float:
-    """Round-off of both runs of a level, with numbers as large as the symmetry makes them.
+    """Round-off of both runs of a level, scaled by the size of the numbers in the image.
 
-    A method that does not claim to conserve momentum may find velocities from differences of
-    places, as Stoermer's rule does: v = (r' - r)/h. There a rounding u r of a place becomes u r/h,
-    which in units of the speed L/tau is u r/L times tau/h.
+    A method that does not claim to conserve momentum may compute velocities as differences of
+    positions, as in Stoermer's rule: v = (r' - r)/h. A rounding error u r of a position then causes
+    an error u r/h, which in units of the speed L/tau is u r/L times tau/h.
 
-    In other units the moments of inertia are rounded anew, which for a very slender body is a
-    visible change.
+    A change of units rounds the moments of inertia again, which is visible for very slender bodies.
     """
     rounding = 2 * subject.noise(level) * symmetry.size(subject.instance, view)
     if subject.method.control == "step" and "momentum" not in subject.method.conserves:
@@ -427,8 +427,8 @@ def round_off(subject: Subject, level: float, view: symmetry.Symmetry) -> float:
 
 
 def allowed(subject: Subject, view: symmetry.Symmetry, growth: Array) -> Array:
-    """Bound (T,) from round-off of both runs, plus truncation where a branch may flip, for images
-    without perturbed runs.
+    """Bound (T,) for images without perturbed runs: round-off of both runs, plus their truncation
+    error where a decision may depend on rounding.
     """
     level = level_for(subject)
     error = np.full_like(growth, round_off(subject, level, view))
@@ -438,8 +438,8 @@ def allowed(subject: Subject, view: symmetry.Symmetry, growth: Array) -> Array:
 
 
 def _perturbed_starts(subject: Subject, level: float) -> tuple[Variant, ...]:
-    """The start perturbed by `perturbation`; both ways where a rounding may decide, as what it
-    decides in one of them is no growth.
+    """The start perturbed by `perturbation`; with both signs where a rounding may decide, since the
+    effect of a decision in one of them is not growth.
     """
     amount = perturbation(subject.method)
     upwards = Variant(level, "perturbed", amount)
@@ -478,15 +478,15 @@ def _decided_by_rounding(
     """Difference (T,) allowed in an image because a rounding decided otherwise; at most the
     truncation error of both runs.
 
-    Whether a contact begins, or a body sticks, in this step or the next depends on the last bit
-    where it falls on the end of a step. Both outcomes are right then, and a start perturbed by a
-    few roundings has the other one. Where no perturbed start shows a difference, no decision
-    depended on a rounding. Friction that alternates about a slip of 0 is decided by roundings at
+    Whether a contact or a stick that falls on the end of a step begins in that step or in the next
+    depends on the last bit. Both outcomes are then correct, and a start perturbed by a few
+    roundings has the other one. Where no perturbed start shows a difference, no decision depended
+    on a rounding. The sign of friction that alternates about a slip of 0 is decided by roundings at
     every step.
 
-    Chosen step sizes always depend on roundings: see `_difference_of_step_choices`. Iterations over
-    contacts of rigid bodies that take the contacts in another order leave another part of the
-    truncation error in the forces, as the run at twice the step shows.
+    Step sizes chosen by the engine always depend on roundings: see `_difference_of_step_choices`.
+    Iterations over contacts of rigid bodies in another order leave a different part of the
+    truncation error in the forces, of the size of the change with twice the step.
     """
     if not _rounding_decides(subject):
         return np.zeros(len(growth))
@@ -501,16 +501,16 @@ def _decided_by_rounding(
     if _lies_on_plane(subject):
         return truncation + _fall_in_a_step(subject, level) * growth
     if image == "rescaled" and "shape:polyhedron" in subject.instance.scene.features:
-        # Solvers of contacts part what overlaps at a rate [1/s] of their own, which other units of
-        # time do not change. A corner that leaves slowly overlaps for many steps.
+        # Contact solvers reduce overlaps at a rate [1/s] of their own, which does not scale with
+        # the unit of time. A corner that leaves slowly overlaps for many steps.
         return truncation
-    # What decisions by rounding make of the plain run, seen in its perturbed starts.
+    # The effect of decisions by rounding, from the runs with perturbed starts.
     largest = np.maximum.reduce(shown)
     slip = alternating_slip(subject, base, level)
     if slip is None:
         return truncation
     if slip > 0:
-        # Along an axis the slip may be 0 to the last bit, in every perturbed start alike.
+        # Along an axis the slip may be exactly 0, in the plain run and in every perturbed start.
         return truncation + 2 * _in_scales(subject, slip) * growth
     observed: Array = MORE * np.maximum.accumulate(largest)
     if _iterates(subject):
@@ -522,8 +522,8 @@ def _lies_on_plane(subject: Subject) -> bool:
     """True if a polyhedron moves, or a spring pulls it, along a plane on which gravity presses it,
     by rigid contact.
 
-    Its corners touch to the last bit, so that a rounding decides at any step which of them do, and
-    few perturbed starts decide as an image does.
+    Its corners touch the plane to the last bit, so that at every step a rounding decides which of
+    them are in contact, and few perturbed starts have the same sequence of decisions as an image.
     """
     scene = subject.instance.scene
     truth = certified(subject)
@@ -533,8 +533,9 @@ def _lies_on_plane(subject: Subject) -> bool:
 
 
 def _fall_in_a_step(subject: Subject, level: float) -> float:
-    """The velocity g h that a corner gains in a step without contact, and the spin g h/R that a
-    body of extent R gains if others hold it, in units of the scales; for both runs.
+    """Twice (for both runs) the larger of the velocity g h that a corner gains in a step without
+    contact, and of the spin g h/R of a body of extent R supported at other corners, in units of
+    their scales: 2 max(g h/V, g h tau/R).
     """
     scene = subject.instance.scene
     scales = subject.instance.scales
@@ -545,7 +546,9 @@ def _fall_in_a_step(subject: Subject, level: float) -> float:
 
 
 def _in_scales(subject: Subject, slip: float) -> float:
-    """A slip [m/s] as the change of a velocity or of a spin, slip/R, in units of their scales."""
+    """A slip s [m/s] as a change of velocity or of spin, in units of their scales: max(s/V, s/(R
+    W)).
+    """
     scales = subject.instance.scales
     bodies = subject.instance.scene.bodies
     smallest = float(np.min(bodies.radius[bodies.radius > 0]))
@@ -572,13 +575,14 @@ def _differences_of_perturbed_starts(
 def _flips_nothing(
     subject: Subject, runs: Mapping[Variant, CompletedRun], difference: Array, rounding: Array
 ) -> bool:
-    """True if a difference (T,) is too small for a decision by rounding: a decision is made one way
-    or the other, and nothing lies between.
+    """True if a difference (T,) is too small to be the effect of a decision by rounding, which has
+    two outcomes at a finite distance.
 
-    Two bodies that collide without friction decide when they touch and when they part. The starts
-    that show such a decision show how much it changes; the other one changes
-    KINK_PREDICTION_FACTOR times less if it comes at as much less of the speed. What is smaller
-    still must be round-off, `rounding` (T,).
+    In a collision of two bodies without friction the decisions are the step of the touch and the
+    step of the release. Perturbed starts whose difference exceeds `rounding` (T,) give the effect
+    of one of them. That of the other one is smaller in the ratio of the speeds at which they
+    happen, which is taken to be at most KINK_PREDICTION_FACTOR. A still smaller difference must be
+    round-off.
     """
     if not _rounding_decides(subject) or not _is_one_collision(subject):
         return False
@@ -606,9 +610,9 @@ def _left_by_iterations(
 ) -> Array:
     """Difference (T,) that iterations over contacts of rigid bodies may leave in an image.
 
-    It is round-off of many operations, plus the change between two steps where the image changes
-    the order or the units of contacts. Measured: a stack that is turned has other contact points in
-    MuJoCo and moves by 1.2 times as much as when the step is doubled.
+    It is round-off of many operations, plus, where the image changes the order or the units of
+    contacts, the change of the motion with twice the step. Measured: a rotated stack has other
+    contact points in MuJoCo, which changes its motion 1.2 times as much as doubling the step.
     """
     level = level_for(subject)
     rounding: Array = _many_roundings(subject, image) * growth
@@ -648,12 +652,12 @@ def _looser_tolerance(subject: Subject, image: str) -> float | None:
 def _difference_of_step_choices(
     subject: Subject, runs: Mapping[Variant, CompletedRun], growth: Array, image: str
 ) -> Array:
-    """Difference (T,) that other choices of steps may make: the error of a run with a looser
-    tolerance against truth.
+    """Difference (T,) due to another choice of step sizes: the error against truth of a run with a
+    looser tolerance.
 
-    Where orders are chosen as well as steps, the error falls with the tolerance in stairs, so a run
-    and its image may be on different stairs; a tolerance that is looser by a level is above both.
-    Without truth for all of the motion it is infinite.
+    Where a method chooses its order as well as its step, the error is a step function of the
+    tolerance, so a run and its image may differ by one of these steps; the error at the next looser
+    tolerance is above both. Without truth for the whole motion it is infinite.
     """
     unknown = np.full(len(growth), np.inf)
     truth = certified(subject)
@@ -668,10 +672,10 @@ def _difference_of_step_choices(
 def _least_moved(
     subject: Subject, runs: Mapping[Variant, CompletedRun], level: float
 ) -> Trajectory:
-    """The run from the start perturbed upwards, or downwards if that went less far: what rounding
-    decides in one of them is no growth.
+    """Of the runs from the start perturbed upwards and downwards the one that differs less from the
+    plain run, since the effect of a decision by rounding in one of them is not growth.
 
-    An engine may refuse perturbed starts: then the plain run.
+    If the engine refuses perturbed starts, it is the plain run.
     """
     base = runs[Variant(level)].trajectory
     variants = _perturbed_starts(subject, level)
@@ -684,21 +688,19 @@ def _least_moved(
 
 
 ONLY = "round-off"
-"""What differs where no decision is left to a rounding."""
+"""The cause of differences where rounding decides nothing."""
 
 
 def _differs(subject: Subject) -> str:
-    """What may differ, in words."""
+    """The possible causes of a difference, in words."""
     if _rounding_decides(subject):
         return f"{ONLY}, and discrete decisions that it flips in perturbed starts,"
     return ONLY
 
 
 def _rounding_decides(subject: Subject) -> bool:
-    """True if the last bit may decide something.
-
-    That is which step size is chosen, or in which step a contact begins or a body sticks, for
-    methods that do not locate such events.
+    """True if the last bit may decide which step size is chosen, or in which step a contact begins
+    or a body sticks, for methods that do not locate such events.
     """
     if subject.method.control == "tolerance":
         return True

@@ -5,8 +5,8 @@
  * While it slips: Taylor series of order 20 in x and s = |u|, by the recurrences of products and of
  * the quotient (Jorba and Zou 2005, proposition 1), the step such that they end at round-off. It
  * stops at the first zero of the series of |u|, to the last bit (series_zeros.h). While it sticks,
- * |P| <= N mu0; P is monotone between turning points known in closed form, where the release is
- * found. A slip begins with u = 0 and, after sticking, u' = 0, exactly.
+ * |P| <= N mu0; the release is found between turning points of P, which are known in closed form
+ * and between which P is monotone. A slip begins with u = 0 and, after sticking, u' = 0, exactly.
  *
  * Phases: begin, expand, step_size, locate, accept, change_mode; samples are read in stick_slip.c.
  */
@@ -17,7 +17,8 @@
 #include "kernels.h"
 #include "series_zeros.h"
 
-/* Events: it comes to stick, or is released. And turning points of the pull that are looked at. */
+/* Events: the point sticks, or is released. Largest number of turning points of the pull examined.
+ */
 enum { STOPS = 1, LEAVES = 2, MOST_PIECES = 1 << 30 };
 
 typedef refdem_belt belt;
@@ -31,7 +32,7 @@ typedef struct {
 
 /* The motion now: time [s], x [m] and work [J] in double-double, w = |u| [m/s]; side is the sign of
  * u, 0 while it sticks; zero_order is the order of the zero of u with which a slip began.
- * has_tangent: a tangent (dx, du) is carried along. drive_terms: the coefficients F w^n/n! of the
+ * has_tangent: a tangent (dx, du) is integrated too. drive_terms: the coefficients F w^n/n! of the
  * drive. */
 typedef struct {
     dd now, x, work;
@@ -46,7 +47,7 @@ static inline dd add_small(dd from, double by)
     return quick_two_sum(sum.hi, sum.lo + from.lo);
 }
 
-/* 1 or -1: the sign of a pull, and so the side to which it lets go. */
+/* 1 or -1: the sign of a pull, and of the slip that it starts. */
 static inline int sign_of(double pull)
 {
     if (pull > 0.0)
@@ -168,7 +169,7 @@ static inline void expand_slip(const belt *p, const motion *m, int with_work, se
             take_in(&power_v, power_lost, v, n);
         }
     }
-    if (!m->has_tangent) /* no tangent asks for the friction's slope */
+    if (!m->has_tangent) /* only a tangent needs the slope of the friction */
         return;
     /* N mu'(s) = N (2 lambda1 s - (mu0 - mu1) lambda0 q^2), or lambda1 in its first term. */
     for (int n = 0; n < ORDER; n++) {
@@ -233,8 +234,8 @@ static inline double limit_time(const belt *p, const motion *m, double limit, do
     return b.high;
 }
 
-/* When it is released [s] after now; infinity if it sticks for ever. P' = -F w sin(w t + phase) - k
- * belt. */
+/* The time from now until the release [s]; infinity if it never comes. P' = -F w sin(w t + phase) -
+ * k belt. */
 static inline double release_time(const belt *p, const motion *m)
 {
     double limit = p->normal_force * p->mu0;
@@ -248,7 +249,8 @@ static inline double release_time(const belt *p, const motion *m)
     if (swing <= fabs(belt_rate)) { /* the pull is monotone */
         if (belt_rate == 0.0)       /* and does not change at all */
             return INFINITY;
-        /* P has certainly changed by more than twice the limit and the drive by then. */
+        /* k |belt| t > 2 (limit + F), of which the drive compensates at most 2 F: by then P has
+         * changed by more than 2 limit, and |P| has passed the limit. */
         double ramp = 2.0 * (limit + fabs(p->amplitude)) / fabs(belt_rate);
         double longest = ramp + 1.0 / fmax(p->frequency, 1.0);
         return limit_time(p, m, limit, 0.0, longest);
@@ -263,7 +265,7 @@ static inline double release_time(const belt *p, const motion *m)
     for (int i = 0; i < 2; i++)
         turning_phase[i] -= period * floor(turning_phase[i] / period);
     for (int64_t k = 0; k < MOST_PIECES; k++) {
-        /* Two turning points a turn of the drive. */
+        /* There are two turning points of P in a period of the drive. */
         double within = fmin(turning_phase[0], turning_phase[1]);
         if (k % 2 == 1)
             within = fmax(turning_phase[0], turning_phase[1]);
@@ -353,8 +355,8 @@ static inline int change_mode(const belt *p, motion *m, const segment *y)
         m->tangent[1] = 0.0;
         return STOPS;
     }
-    /* It slips on to the other side. u' jumps at the event, by which du scales with the ratio of
-     * the accelerations after and before it. */
+    /* It continues to slip with the other sign. m u' = P - side N mu0 jumps at the event, so that
+     * du_after/du_before = u'_after/u'_before. */
     m->side = sign_of(pull);
     m->zero_order = 1;
     m->tangent[1] *= (pull - m->side * limit) / (pull - before * limit);

@@ -98,7 +98,7 @@ void refdem_chipmunk_push(void *body, refdem_vector2 gravity, double damping, do
     f->update_velocity(body, gravity, damping, h);
 }
 
-/* Between the two bodies of a constraint: the place and velocity of the second from the first. */
+/* Position and velocity of the second body of a constraint relative to the first. */
 static void relative(const refdem_chipmunk_laws *f, const void *constraint, double *d, double *w)
 {
     const void *a = f->body_a(constraint), *b = f->body_b(constraint);
@@ -121,6 +121,7 @@ static bool is_pressed(const refdem_chipmunk_laws *f, const void *constraint, co
         return true;
     double d[2], w[2];
     relative(f, constraint, d, w);
+    /* k o^e + c o' > 0, with the overlap o and o' = -w.d/|d| */
     double overlap_rate = -(w[0] * d[0] + w[1] * d[1]) / hypot(d[0], d[1]);
     return p->stiffness * pow(overlap, p->exponent) + p->damping * overlap_rate > 0;
 }
@@ -160,6 +161,7 @@ void refdem_chipmunk_prepare(void *constraint, void *space)
         f->set_damping(constraint, damping);
     } else {
         const friction_row *p = row;
+        /* limit = load ((mu0 - mu1)/(1 + lambda0 u) + mu1 + lambda1 u^power) */
         double speed = fabs(p->axis[0] * w[0] + p->axis[1] * w[1]);
         double falling = (p->mu0 - p->mu1) / (1 + p->lambda0 * speed) + p->mu1;
         f->set_limit(constraint, p->load * (falling + p->lambda1 * pow(speed, p->power)));

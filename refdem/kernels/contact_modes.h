@@ -1,4 +1,4 @@
-/* The modes of a contact: what holds a pair in its mode, and the mode that follows.
+/* The modes of a contact: the guards of each mode, and the mode that follows.
  *
  * A guard is a function of the state that is positive as long as the pair stays in its mode; its
  * first zero is the event. With the strain d/R and the force F/(k R), by mode:
@@ -6,7 +6,7 @@
  *   PARTED   GAP: d/R, PULL: -F (it presses again)
  *   pressing GAP: d/R, or F/(k R) where the contact ends with its force
  *   FREE     PULL: -F;  SLIP  PULL: F (friction ends and begins with the sign of the force)
- *   STICK    HOLD: mu F - |f|, what is left of the limit of the force that holds
+ *   STICK    HOLD: mu F - |f|, the margin of the holding force f to its limit
  *   SLIP     HOLD: u.s - mu F'/k_t, by how much the slip outruns the spring's limit
  */
 #ifndef REFDEM_CONTACT_MODES_H
@@ -20,8 +20,8 @@ enum { GAP, PULL, HOLD, GUARDS };
  * frequency into R times it, so that the slack of a guard is a rounding of the slip. */
 static const double SLIP_UNIT = 1e11;
 
-/* The contact ends where its force does, before the overlap: the law has no pull, and a dashpot
- * that would pull. */
+/* True if the contact ends where its force does, before the overlap: the law does not pull, and has
+ * a dashpot that would. */
 static inline int ends_with_force(const refdem_particles *p)
 {
     return p->no_pull && p->damping > 0.0;
@@ -58,8 +58,8 @@ static inline double limit_growth(const refdem_particles *p, const contact *m,
     return p->friction / p->tangential_stiffness * force_rate;
 }
 
-/* By how much the slip along the spring outruns the growth of its limit, u.s - mu F'/k_t: where it
- * no longer does, the spring holds. In units of SLIP_UNIT slip floors. */
+/* The excess of the slip along the spring over the growth of its limit, u.s - mu F'/k_t: where it
+ * is no longer positive, the spring sticks. In units of SLIP_UNIT slip floors. */
 static inline double slip_guard(const runner *r, int64_t k, const contact *m,
                                 const double *restrict y, const double *restrict dy)
 {
@@ -140,7 +140,7 @@ static inline int64_t begin_pressing(const refdem_particles *p, int64_t k, doubl
         else
             s[c] = 0.0;
     }
-    if (m.force < -force_floor) /* a force that pulls does not rub */
+    if (m.force < -force_floor) /* a force that pulls has no friction */
         return FREE;
     if (slides)
         return SLIP;

@@ -3,7 +3,7 @@
  * About the equilibrium m g/k, with s = f/k and w^2 = k/m:
  *   from a turning point Y    x = sgn(Y) (s + (|Y| - s) cos w t),   half a period pi/w long,
  *   the next turning point    -sgn(Y) (|Y| - 2 s),
- *   it stays for ever at the first one with |Y| <= s (Sgn(0) = [-1, 1]).
+ *   it stops at the first one with |Y| <= s (Sgn(0) = [-1, 1]).
  * A start with v != 0 swings first about -sgn(v) s, with the amplitude R = sqrt((x + sgn(v) s)^2 +
  * (v/w)^2), to its first turning point. Turning points and times are kept as hi + lo, so that
  * neither sums up rounding.
@@ -23,7 +23,7 @@ typedef struct {
     dd half;               /* pi/w [s] */
 } pieces;
 
-/* Half cycles until it stays: the least n >= 0 with |Y| - 2 n s <= s. Equality counts, up to 2^-51
+/* Half cycles until it stops: the least n >= 0 with |Y| - 2 n s <= s. Equality counts, up to 2^-51
  * |Y|, since |Y| and s are known only to rounding. */
 static int64_t half_cycles(dd first, dd shift)
 {
@@ -82,6 +82,7 @@ static void state_at(const pieces *b, dd since, dd x, double *restrict place,
     double first = turning_point(b, 0);
     dd since_first = dd_sub(since, b->opening);
     if (b->heading != 0.0 && since_first.hi < 0.0) { /* before the first turning point */
+        /* x = centre + sgn(v) R cos w t, t < 0 before the first turning point */
         double amplitude = dd_round(b->reach);
         turned(dd_mul(b->rate, since_first), &cosine, &sine);
         *place = fma(b->heading * amplitude, cosine, dd_round(b->centre));
@@ -108,6 +109,7 @@ static void state_at(const pieces *b, dd since, dd x, double *restrict place,
         *path = path_before + 2.0 * n * (first - shift * n);
         return;
     }
+    /* x = sgn(Y_n) (s + (|Y_n| - s) cos w t) off the equilibrium, t since turning point n */
     double sign = b->side;
     if (fmod(n, 2.0) != 0.0) /* every other half cycle goes the other way */
         sign = -sign;

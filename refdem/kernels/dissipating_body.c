@@ -3,7 +3,8 @@
  *
  * In principal axes, with w = J^-1 L and the rate of turning W = w + c L x w:
  *   L' = L x W,   q' = q W/2.
- * State (7): L [kg m^2/s], q = (w, x, y, z).
+ * State (7): L [kg m^2/s], q = (w, x, y, z); in the code v is the third component of q, and y the
+ * state.
  */
 #include <assert.h>
 

@@ -1,8 +1,8 @@
 /* Double-double arithmetic: an unevaluated sum hi + lo of two doubles, some 32 digits (Dekker 1971;
  * Knuth, TAOCP 4.2.2).
  *
- * A phase that grows with time is kept so, reduced by a period known to the same precision, and
- * only then rounded: the error of what is made of it does not grow with time.
+ * A phase that grows with time is kept in double-double, reduced by a period known to the same
+ * precision, and only then rounded: the error of functions of it does not grow with time.
  */
 #ifndef REFDEM_DOUBLE_DOUBLE_H
 #define REFDEM_DOUBLE_DOUBLE_H
@@ -73,7 +73,8 @@ static inline dd dd_scale(dd a, double b)
     return quick_two_sum(p.hi, fma(a.lo, b, p.lo));
 }
 
-/* Three quotients of what is left, each of the leading parts. */
+/* a/b as the sum of three quotients of leading parts, each of the remainder: q_1 = a_hi/b_hi,
+ * q_2 = (a - b q_1)_hi/b_hi, q_3 alike. */
 static inline dd dd_div(dd a, dd b)
 {
     double first = a.hi / b.hi;

@@ -118,7 +118,7 @@ static inline dd angle_of(dd s, dd c)
 enum { CIRCULAR, HYPERBOLIC, SEPARATRIX };
 enum { TERMS = 4 }; /* nome <= exp(-pi): nome^(n^2) is below an ulp from n = 4 on */
 
-/* What the Jacobi functions of one parameter need. */
+/* The constants of the Jacobi functions of one parameter. */
 
 typedef struct {
     int kind;              /* of series */
@@ -298,7 +298,7 @@ static inline void jacobi_at(const jacobi *restrict j, turns phase, double t0, i
 static inline turns jacobi_turns(const jacobi *j, dd rate, dd start)
 {
     dd period = dd_scale(j->quarter, 2.0);
-    if (j->kind == SEPARATRIX) /* it never comes round */
+    if (j->kind == SEPARATRIX) /* sn is not periodic */
         period = dd_of(1.0);
     return (turns){dd_div(rate, period), dd_div(start, period)};
 }

@@ -45,14 +45,15 @@ typedef struct {
     double reach, stiffness, exponent, damping, may_pull;
 } contact_row;
 
-/* The pull of a spring at the stretch s. */
+/* The pull stiffness |s|^exponent sgn(s) + quadratic s^2 + cubic s^3 of a spring at the stretch s.
+ */
 static inline double spring_pull(const spring_row *p, double s)
 {
     double power = p->stiffness * copysign(pow(fabs(s), p->exponent), s);
     return power + (p->quadratic + p->cubic * s) * s * s;
 }
 
-/* The force of a piecewise field at s. */
+/* The force of a piecewise field at s: k1 (s - x1) on (x1, 0], k2 (s - x2) on (0, x2), else 0. */
 static inline double piecewise_force(const piecewise_row *p, double s)
 {
     if (s > p->x1 && s <= 0)

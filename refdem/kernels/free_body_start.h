@@ -70,10 +70,17 @@ static void prepare_symmetric(free_body *b, const double *restrict inertia)
         b->along[i] = dd_round(dd_div(l[i], momentum));
 }
 
-/* Coefficients of theta4(pi (u + ia)/(2K), nome^2) as a series in 2 n pi f, up to a positive
- * factor: terms
- * (-1)^n nome^(2 n^2) (exp(2 n s) + exp(-2 n s)) with the shift s = pi a/(2K); where m > 1/2 those
- * of theta2 after z -> z/tau, whose argument has a part linear in u besides, the slope. */
+/* Coefficients of theta4(pi (u + ia)/(2K), nome^2), up to a positive factor, as a series in cosines
+ * (real part) and sines (imaginary part) of 2 n pi f. With the shift s = pi a/(2K) the terms are
+ *
+ *   (-1)^n nome^(2 n^2) ((exp(2 n s) + exp(-2 n s)) cos - i (exp(2 n s) - exp(-2 n s)) sin),
+ *
+ * and 1 for n = 0. For m > 1/2 they are those of theta2 after z -> z/tau, with the shift s = pi
+ * a/(4K') and the nome of m1,
+ *
+ *   rise: nome^(n^2/2) exp(i (2 n + 1) s),   fall: nome^(n (n + 1)/2) exp(-i (2 n + 1) s),
+ *
+ * and the argument has in addition a part linear in u, the slope. */
 static void prepare_theta(free_body *b, double a, double c)
 {
     const jacobi *j = &b->j;
@@ -296,7 +303,8 @@ static void prepare_tumbling(free_body *b, const double *restrict inertia)
     b->kind = TUMBLING;
     b->order = copysign(1.0, k.d31.hi);
     dd size = amplitudes(b, &k, w, a, n, &x);
-    /* p, above/p = cn^2 and dn^2 of the formula for a */
+    /* p = J2 (J3 - J1)/below, above/p = cn^2 = J3 (J2 - J1)/(J2 (J3 - J1)), dn^2 = 1 - m1/p, with
+     * below = J1 (J3 - J2) and above = J3 (J2 - J1)/below; a = R_F(cn^2, dn^2, 1)/sqrt(p) */
     dd below = dd_mul(k.j[0], k.d32);
     dd p = dd_div(dd_mul(k.j[1], k.d31), below);
     dd above = dd_div(dd_mul(k.j[2], k.d21), below);

@@ -5,14 +5,14 @@
  *
  *   v += h/2 a,  x += h v,  contacts at x,  v += h/2 a,   spins alike, attitudes q = exp(w t/2) q.
  *
- * What depends on velocities sees those of the end of the step, predicted with the last
+ * Forces that depend on velocities use those of the end of the step, predicted with the last
  * acceleration. Verlet's list (1967) of pairs closer than a diameter and a skin is rebuilt, from a
  * counting sort of the bodies into cells, before the two fastest bodies could have crossed the
- * skin. Bodies lie in memory in the order of their cells. Work is done on a velocity only while a
- * contact lasts, and on an attitude only when its spin changes. Impulses are rounded to a grid on
- * which velocities lie, and given to both bodies of a pair with opposite signs: sums are then
- * exact, and so is total momentum. Positions are kept in the box, with whole boxes counted apart,
- * so that a body's velocity knows nothing of the walls of the box.
+ * skin. Bodies lie in memory in the order of their cells. A velocity is updated only while a
+ * contact lasts, and an attitude only when its spin changes. Impulses are rounded to a grid on
+ * which velocities lie, and applied to both bodies of a pair with opposite signs: sums are then
+ * exact, and so is total momentum. Positions are kept in the box, and whole boxes are counted
+ * separately, so that crossing a face of the box does not change a velocity.
  *
  * Threads own bodies that are neighbours in memory. Each finds the contacts of its own, and
  * gathers for its own, from all contacts in the order of the list: the result has the same bits
@@ -26,8 +26,8 @@
 #include "gas_contact.h"
 #include "gas_list.h"
 
-/* Speeds that the grid of velocities reaches, over that of the fastest body at the start: faster
- * ones are still right, but no longer on the grid. */
+/* Largest speed on the grid of velocities, over that of the fastest body at the start: larger ones
+ * are still correct, but are not on the grid, so that momentum is then conserved to round-off. */
 #define GRID 8.0
 
 int64_t refdem_gas_room(const refdem_gas *p, int64_t threads)
@@ -38,8 +38,8 @@ int64_t refdem_gas_room(const refdem_gas *p, int64_t threads)
 }
 
 /* Finds the contacts among the share's listed pairs at `time` [s] since the start, with their
- * impulses. Contacts of this step and of the one before are kept on two sides, which change places.
- */
+ * impulses. The contacts of this step and of the one before are kept in two lists, which are
+ * exchanged in every step. */
 static void measure(gas *g, share *t, int rank, double time)
 {
     int64_t first_number = rank * g->p->most_contacts;
@@ -85,7 +85,7 @@ static void measure(gas *g, share *t, int rank, double time)
             move_spring(g, c, contact_before, sign, time != 0.0);
         }
         add_forces(g, c);
-        /* The other body is another thread's, which looks for its impulses in this list. */
+        /* Body b belongs to another thread, which reads its impulses from this list. */
         if (c->b >= 0 && (c->b < t->from || c->b >= t->to))
             t->out[t->crossing++] = (int32_t)t->contacts;
         t->contacts++;
@@ -116,8 +116,8 @@ static inline void add_impulse(gas *g, share *t, int64_t i, double sign, const c
 }
 
 /* Sums the impulses of the share's own bodies, over all contacts in the order of the list: the same
- * order, and so the same bits, for any number of threads. And the work h power lost by the share's
- * own contacts, kept by body. */
+ * order, and so the same bits, for any number of threads. Adds the work lost in the step by the
+ * share's own contacts, h power, to that of body a. */
 static void gather(gas *g, share *t, int rank)
 {
     for (int64_t k = 0; k < t->touched; k++) {
@@ -173,6 +173,7 @@ static void rotate(const double *w, double time, const double *q, double *out)
  * attitude is turned only here, up to the moment at which its spin changes. */
 static void kick(gas *g, share *t, int64_t taken)
 {
+    /* v += h/2 f/m, w += h/2 torque/J: the impulses of `gather` */
     double most = t->fastest * t->fastest;
     for (int64_t m = 0; m < t->touched; m++) {
         int64_t i = t->marked[m];
@@ -202,9 +203,13 @@ static void drift(const gas *g, const share *t)
         x[i] += h * v[i];
 }
 
-/* Writes the share's bodies at sample s, after `taken` steps; rank 0 also the channels: number of
- * contacts, and the work lost by the trapezoidal rule, which has counted the last power once too
- * often by half, less what tangential springs hold, from its value at the start. */
+/* Writes the share's bodies at sample s, after `taken` steps. Rank 0 also writes the channels: the
+ * number of contacts, and the work lost since the start. With the power P_k [W] after step k, whose
+ * sum h (P_0 + .. + P_n) is in `lost`, and the energy E_n of the tangential springs,
+ *
+ *   W_n = h (P_0 + .. + P_n) - h/2 P_n - E_n,   channel = W_n - W_0,
+ *
+ * which is the trapezoidal rule. */
 static void record(gas *g, share *t, int rank, int64_t s, int64_t taken)
 {
     for (int64_t i = t->from; i < t->to; i++) {
@@ -324,11 +329,12 @@ static void begin(gas *g, double step)
         fastest = fmax(fastest, dot(g->now.v + 3 * i, g->now.v + 3 * i));
     }
     fastest = sqrt(fastest);
+    /* reach = diameter + skin, with diameter + most_skin = size/2 in a box */
     g->skin = fmin(SKIN * p->diameter, 0.9 * most_skin);
     g->reach = p->diameter + g->skin;
     g->h = step;
-    /* To add 1.5 2^52 grids and take them away again rounds to the grid, here 2^-53 times the power
-     * of two above GRID times the fastest speed. */
+    /* (x + round) - round rounds x to a multiple of the grid if round = 1.5 2^52 grid. Here grid =
+     * 2^-53 2^(e+1), with 2^e <= GRID fastest < 2^(e+1), so that round = 0.75 2^(e+1). */
     g->round = 0.0;
     if (fastest > 0.0)
         g->round = ldexp(0.75, ilogb(GRID * fastest) + 1);

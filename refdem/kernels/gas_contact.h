@@ -4,9 +4,9 @@
  *   force        F = k d + c d',   on a: -F n - k_t s,   |k_t s| <= mu F
  *   slip         u = v_a - v_b - d' n + l (w_a + w_b) x n,   l = diameter/2 - branch d
  *   spring       s' = u: it grows by the slip of both halves of a step, each with its own geometry,
- *                and turns with the normal in between; beyond its limit it is cut
- * A step of velocity Verlet changes velocities by h/2 force/m at its start and at its end: that
- * half is the impulse (per mass) of a contact, and h/2 torque/J its change of spin.
+ *                and is rotated with the normal in between; beyond its limit it is shortened
+ * A step of velocity Verlet changes velocities by h/2 force/m at its start and at its end: the
+ * `impulse` of a contact is h/2 force/m, its `spin_change` h/2 torque/J.
  */
 #ifndef REFDEM_GAS_CONTACT_H
 #define REFDEM_GAS_CONTACT_H
@@ -31,9 +31,11 @@ static inline void add_scaled(double *a, double factor, const double *b)
         a[c] += factor * b[c];
 }
 
-/* Overlap [m] of a listed pair, positive if it touches, and then the normal from a to b in n (3);
- * of spheres that do not touch 0, which saves the root. `image`: the image of the box that b is in.
- */
+/* Overlap [m] of a listed pair, positive if it is in contact, and then the normal from a to b in n
+ * (3). For spheres that are not in contact it is 0, which saves the square root. `image`: the image
+ * of the box that b is in.
+ *   spheres   d = diameter - |r|,   r = x_b + shift - x_a,   n = r/|r|
+ *   plane     d = diameter/2 - (x_a - p).n_p,   n = -n_p */
 static inline double overlap(const gas *g, int64_t a, int64_t b, int image, double *n)
 {
     const double *x = g->now.x + 3 * a;
@@ -60,8 +62,8 @@ static inline double overlap(const gas *g, int64_t a, int64_t b, int image, doub
     return diameter - distance_b;
 }
 
-/* A component of a velocity or spin as it is, or, if `later`, as the last forces predict it for the
- * end of the step. The sum with 0.0 in the first case keeps both branches alike: -0.0 becomes 0.0.
+/* A component of a velocity or spin, or, if `later`, its prediction v + h/2 a for the end of the
+ * step with the last forces. Adding 0.0 in the first case rounds alike in both: -0.0 becomes 0.0.
  */
 static inline double predicted(const double *now, const double *change, int64_t at, int later)
 {
@@ -78,6 +80,7 @@ static inline double slip_of(const gas *g, const contact *c, const double *n, do
 {
     int64_t a = 3 * (int64_t)c->a;
     int64_t b = 3 * (int64_t)c->b;
+    /* l = diameter/2 - branch d,  d' = (v_a - v_b).n,  u = v_a - v_b - d' n + l (w_a + w_b) x n */
     double arm = 0.5 * g->p->diameter - g->p->branch * deep;
     double spin[3], spin_slip[3];
     for (int k = 0; k < 3; k++) {
@@ -100,10 +103,13 @@ static inline double slip_of(const gas *g, const contact *c, const double *n, do
     return rate;
 }
 
-/* The tangential spring s over the step: from that of the contact `before`, with `sense` -1 if it
- * was of (b, a), by h/2 u at the old normal n0, the turn s -= (n.s)/(1 + n0.n) (n0 + n) to the new
- * one, and h/2 u there; a new contact has stretched it since it began; at the start of a run
- * (has_moved 0) it is slack. */
+/* Advances the tangential spring s over the step, from the contact `before`, with `sign` -1 if that
+ * was of (b, a), by h/2 u at the old normal n0, the rotation to the new normal n, and h/2 u there:
+ *
+ *   s += h/2 u(n0),   s -= (n.s)/(1 + n0.n) (n0 + n),   s += h/2 u(n).
+ *
+ * A new contact began a time d/d' ago, but at most h: s = u min(d/d', h). At the start of a run
+ * (has_moved 0) s = 0. */
 static inline void move_spring(const gas *g, contact *c, const contact *before, double sign,
                                int has_moved)
 {
@@ -134,9 +140,9 @@ static inline void move_spring(const gas *g, contact *c, const contact *before, 
     add_scaled(c->spring, half_step, slip);
 }
 
-/* The impulse h/2 force/m of a on the grid of velocities, the change h/2 l (n x f)/J of both spins,
- * and the power lost by damping, c d'^2, and by friction, -f.u. Where the force would pull and the
- * law has no pull, the dashpot gives way: the force is zero. */
+/* The impulse h/2 force/m of a on the grid of velocities, the change h/2 l (n x f)/J of both spins
+ * by the tangential force f, and the power lost by damping, c d'^2, and by friction, -f.u. Where
+ * F = k d + c d' < 0 and the law does not pull, F = 0, and the force of the dashpot is -k d. */
 static inline void add_forces(const gas *g, contact *c)
 {
     const refdem_gas *p = g->p;
@@ -157,13 +163,13 @@ static inline void add_forces(const gas *g, contact *c)
         double limit = p->friction * fmax(normal, 0.0);
         double spring_force = p->tangential_stiffness * sqrt(dot(c->spring, c->spring));
         double part_kept = 1.0;
-        if (spring_force > limit) /* it slides: the spring is cut to its limit */
+        if (spring_force > limit) /* it slides: the spring is shortened to k_t |s| = mu F */
             part_kept = limit / spring_force;
         double friction[3];
         double arm = 0.5 * p->diameter - p->branch * c->overlap;
         for (int k = 0; k < 3; k++) {
             c->spring[k] *= part_kept;
-            friction[k] = -p->tangential_stiffness * c->spring[k];
+            friction[k] = -p->tangential_stiffness * c->spring[k]; /* f = -k_t s */
             force[k] += friction[k];
         }
         c->power -= dot(friction, slip);

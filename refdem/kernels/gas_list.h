@@ -1,21 +1,23 @@
-/* The bodies of a gas in the order of their cells, and Verlet's list of the pairs that may meet
- * before it is rebuilt (gas.c).
+/* The bodies of a gas in the order of their cells, and Verlet's list of the pairs that may come
+ * into contact before it is rebuilt (gas.c).
  *
- * Positions are kept in the box, with whole boxes counted apart. The list has each pair once, from
- * half of the cells around each body, with the image by which the two are near; planes are -1 - k.
- * Contacts that last are found again in a new list. Every thread does its share, and the list is
- * the same for any number of them.
+ * Positions are kept in the box, and whole boxes are counted separately. The list has each pair
+ * once, from half of the cells around each body, with the nearest image of the second body; plane k
+ * is -1 - k. Lasting contacts are transferred to a new list. Every thread builds its own share, and
+ * the list is the same for any number of threads.
  */
 #ifndef REFDEM_GAS_LIST_H
 #define REFDEM_GAS_LIST_H
 
 #include "gas_state.h"
 
-/* Diameters; measured: the flat minimum of cost at packing fractions of 1 to 5 %. */
+/* Thickness of the skin in diameters. Measured: the minimum of run time, which is flat, at packing
+ * fractions of 1 to 5 %. */
 #define SKIN 0.5
 #define LONGEST 1024 /* cells along an edge, at most */
 
-/* d of the nearest image of a body, for bodies less than one box and a half apart. */
+/* The difference d of coordinates to the nearest image, d - size round(d/size), for |d| < 3/2 size.
+ */
 static inline double nearest(double d, double size)
 {
     double half = 0.5 * size;
@@ -43,9 +45,10 @@ static void place_images(gas *g)
     }
 }
 
-/* Moves whole boxes from the share's positions to their count, and finds its extent. In a motion
- * that diverges the count of boxes may overflow, or a position be NaN: the share is then marked as
- * failed, and the body is put at 0, so that the search for neighbours has a valid position. */
+/* Moves whole boxes from the share's positions to their count, x -= size floor(x/size), and finds
+ * the extent of the share. In a motion that diverges the count of boxes may overflow, or a position
+ * be NaN: the share is then marked as failed, and the coordinate is set to 0, so that the search
+ * for neighbours has a valid position. */
 static void wrap(gas *g, share *t)
 {
     double size = g->p->size;
@@ -79,9 +82,9 @@ static void wrap(gas *g, share *t)
     }
 }
 
-/* Numbers and sizes of the cells: at least `reach` wide, not many more of them than bodies; one for
- * all in a periodic box that would have fewer than 3 along an edge, where a neighbouring cell would
- * be met twice. */
+/* Numbers and sizes of the cells: at least `reach` wide, floor(width/reach) along an edge, and at
+ * most `most_cells` in all. A periodic box with fewer than 3 along an edge has a single cell, since
+ * a neighbouring cell would be visited twice. */
 static void set_cells(gas *g)
 {
     int64_t most_along = 1;
@@ -113,7 +116,7 @@ static void set_cells(gas *g)
     }
 }
 
-/* A cell's number along an edge, kept inside it. */
+/* The index of a cell along an edge, limited to 0 .. cells - 1. */
 static inline int64_t clamped(int64_t at, int64_t cells)
 {
     if (at < 0)
@@ -123,7 +126,7 @@ static inline int64_t clamped(int64_t at, int64_t cells)
     return at;
 }
 
-/* The cell of a place; numbers run along x first. */
+/* The cell of a position, (z n_y + y) n_x + x with the indices x, y, z along the edges. */
 static inline int64_t cell_of(const gas *g, const double *x)
 {
     int64_t at[3];
@@ -135,9 +138,9 @@ static inline int64_t cell_of(const gas *g, const double *x)
     return (at[2] * g->cells[1] + at[1]) * g->cells[0] + at[0];
 }
 
-/* Turns the counts of bodies into places: `start` is the first place of each cell, `count` of a
- * thread the first place of its bodies in each cell. Bodies are sorted by cells, and within a cell
- * by threads; every thread sums up its own share of the cells. */
+/* Replaces the counts of bodies by their prefix sums: `start` is the index of the first body of
+ * each cell, `count` of a thread that of the thread's first body in each cell. Bodies are sorted by
+ * cells, and within a cell by threads; every thread sums its own share of the cells. */
 static void count_cells(gas *g, share *t, int rank)
 {
     int64_t all = g->cells[0] * g->cells[1] * g->cells[2];
@@ -171,7 +174,8 @@ static inline void copy3(double *to, const double *from)
     memcpy(to, from, 3 * sizeof(double));
 }
 
-/* The share's part of the sorted columns; its fastest body and those that are to be kicked. */
+/* Copies the share's part of the sorted columns; finds its largest speed and its bodies with an
+ * impulse to be applied (`marked`). */
 static void permute(gas *g, share *t)
 {
     const columns *old = &g->now;
@@ -199,7 +203,7 @@ static void permute(gas *g, share *t)
     t->fastest = sqrt(fastest);
 }
 
-/* Counting sort: the bodies in the order of their cells, and of their places before within a cell.
+/* Counting sort: the bodies in the order of their cells, and within a cell in their former order.
  */
 static void sort(gas *g, share *t, int rank)
 {
@@ -230,7 +234,8 @@ static void sort(gas *g, share *t, int rank)
     wait_for_all(&g->team);
 }
 
-/* Lists the pairs of body i with the bodies `from` up to `to` in an image that are within reach. */
+/* Lists the pairs of body i with the bodies `from` up to `to` in an image for which
+ * |x_j + shift - x_i| < reach. */
 static inline void list_pairs(gas *g, share *t, int64_t i, int64_t from, int64_t to, int image)
 {
     const double *x = g->now.x + 3 * i;
@@ -315,7 +320,7 @@ static void list_neighbours(gas *g, share *t, int64_t i)
     }
 }
 
-/* Lists the planes within reach of body i. */
+/* Lists the planes within reach of body i: (x_i - p).n < reach - diameter/2. */
 static void list_planes(gas *g, share *t, int64_t i)
 {
     const double *x = g->now.x + 3 * i;

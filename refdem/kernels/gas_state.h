@@ -1,7 +1,7 @@
-/* What a run of a gas works on: columns of the bodies in the order of their cells, and every
+/* The data of a run of a gas: columns of the bodies in the order of their cells, and every
  * thread's share of pairs and contacts.
  *
- * All of it lies in one piece of memory. A thread owns the bodies `from` up to `to`, the listed
+ * All of it lies in one block of memory. A thread owns the bodies `from` up to `to`, the listed
  * pairs whose first body is its own, and the contacts that it finds among them.
  */
 #ifndef REFDEM_GAS_STATE_H
@@ -12,14 +12,14 @@
 #include <math.h>
 #include <string.h>
 
-/* A body's own place and its neighbours in a periodic box; the first is the own. */
+/* The box itself and its 26 neighbouring images; the box itself is number 0. */
 #define IMAGES 27
 
-/* How a share may have failed; 2 is a thread that could not be had (kernels.h). */
+/* Failures of a share; 2 is a thread that could not be started (kernels.h). */
 enum { NO_ROOM = 1, ASTRAY = 3 };
 
-/* Whole boxes that a body may be away from the first one: as many as their count of 32 bits holds.
- */
+/* Largest number of whole boxes between a body and the first box, within the range of their count
+ * of 32 bits. */
 #define FARTHEST 2e9
 
 /* A contact of the bodies a and b, or of a with plane -1 - b. */
@@ -95,8 +95,8 @@ static inline int64_t share_of(const gas *g, int64_t whole, int64_t rank)
     return whole * rank / g->threads;
 }
 
-/* `size` bytes from *at on, which moves on to the next cache line but one at most: no two threads
- * write to one line. */
+/* `size` bytes from *at, which is advanced by them and at least 64 bytes of padding, so that no two
+ * threads write to one cache line. */
 static void *take_room(uint8_t **at, int64_t size)
 {
     void *found = *at;

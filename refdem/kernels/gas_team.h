@@ -19,7 +19,7 @@ typedef struct {
     atomic_int arrived, round, go;
 } team;
 
-/* Tells the processor that this thread waits in a loop. */
+/* Hint to the processor that this thread waits in a loop. */
 static inline void pause_a_moment(void)
 {
 #if defined(__x86_64__) || defined(__i386__)

@@ -6,8 +6,8 @@
  *
  *   r_i = sum over j >= i of binomial(j, i) r_j,
  *
- * and adds c_i d to row i, d = h^2/2 f - r_2, f at what was predicted. Rows 0 and 1 carry what
- * their sums left over (Kahan 1965), so that round-off does not pile up with the steps.
+ * and adds c_i d to row i, d = h^2/2 f - r_2, with f at the predicted state. Rows 0 and 1 carry the
+ * rounding errors of their sums (Kahan 1965), so that round-off does not accumulate.
  */
 #ifndef REFDEM_GEAR_H
 #define REFDEM_GEAR_H

@@ -51,7 +51,7 @@ static damped prepare(dd mass, double stiffness, double damping, int no_pull)
         s.sign = 1;
     else if (square.hi < 0.0)
         s.sign = -1;
-    s.end = INFINITY; /* overdamped, and free to pull: it never parts */
+    s.end = INFINITY; /* overdamped with a force that may pull: the contact does not end */
     if (no_pull && damping > 0.0)
         s.end = 2.0 * turning_time(&s);
     else if (s.sign > 0) /* half a period */
@@ -98,6 +98,7 @@ int refdem_head_on(double mass1, double mass2, double stiffness, double damping,
         state_at(&contact, fmin(contact.end, LATEST), &unit_overlap, &unit_rate);
         overlap_after = unit_overlap * closing;
     }
+    /* Speed after the contact: -V exp(-b end). */
     double rate_after = -closing * exp(-contact.decay * contact.end);
     for (int64_t row = 0; row < samples; row++, out += COLUMNS) {
         double since = t[row] - begin;
@@ -121,7 +122,7 @@ int refdem_head_on(double mass1, double mass2, double stiffness, double damping,
             out[PRESSES] = 1.0;
             out[FORCE] = stiffness * d + damping * d_rate;
         }
-        /* m (V^2 - d'^2)/2 - k d^2/2. */
+        /* Energy lost: m (V^2 - d'^2)/2 - k d^2/2. */
         double kinetic_lost = 0.5 * m * (closing - d_rate) * (closing + d_rate);
         out[LOST_WORK] = kinetic_lost - 0.5 * stiffness * fmax(d, 0.0) * fmax(d, 0.0);
     }

@@ -1,17 +1,17 @@
-/* Rigid spheres that fly from impact to impact (Alder and Wainwright 1959).
+/* Rigid spheres in free flight between impacts, event-driven (Alder and Wainwright 1959).
  *
  * Let d = (r_j - r_i)/R with R = R_i + R_j, w = v_j - v_i and u = w/|w|. With b = d.u < 0 two
  * spheres meet when |d + u |w| s/R| = 1, at the first root
  *
  *     s = (R/|w|) c / (-b + sqrt(q)),   c = (|d| - 1) (|d| + 1),   q = 1 - |d x u|^2,
  *
- * without cancellation, and whatever the units; uniform gravity moves both alike. At a plane they
- * are at s = (height - R)/closing speed, or at the root of a quadratic where gravity acts. An event
- * is made by impulses (impacts_law.h).
+ * without cancellation and independent of units, since uniform gravity accelerates both equally. A
+ * sphere meets a plane at s = (height - R)/closing speed, or at the root of a quadratic equation
+ * where gravity acts. An impact changes velocities and spins by impulses (impacts_law.h).
  *
- * Few bodies look at every pair (impacts_pairs.h). Many look at their neighbours in cells, and have
- * their events in a queue (impacts_events.h): O(log bodies) an event. Samples are copies of the
- * state: the motion does not depend on when they are taken.
+ * With few bodies every pair is examined (impacts_pairs.h). With many, bodies examine their
+ * neighbours in cells, and events are kept in a queue (impacts_events.h): O(log bodies) an event.
+ * Samples are copies of the state: the motion does not depend on the times of samples.
  */
 #include "impacts_kernel.h"
 
@@ -21,7 +21,7 @@
 
 enum { LINE = 64 };
 
-/* The next so many bytes of the room, in lines of the cache. */
+/* The next `bytes` of the room, rounded up to whole cache lines. */
 static void *claimed(char *room, int64_t *used, size_t bytes)
 {
     void *at = NULL;
@@ -31,7 +31,7 @@ static void *claimed(char *room, int64_t *used, size_t bytes)
     return at;
 }
 
-/* Lays out the room for so many bodies, or with none only measures it; returns its bytes. */
+/* Assigns the arrays for so many bodies within `room`; with NULL only counts. Returns the bytes. */
 static int64_t lay_out(motion *m, crowd *k, int64_t bodies, char *room)
 {
     const size_t n = (size_t)bodies;

@@ -1,27 +1,30 @@
-/* The cells in which many rigid spheres look for each other (impacts.c).
+/* Cells for the neighbour search of many rigid spheres (impacts.c).
  *
- * Cells are cubes (cuboids in a box that is none) of an edge of at least the largest diameter, so
- * that a sphere can touch those of its own and of the neighbouring cells alone. There are `count`
- * of them along each axis, and they repeat without end: a cell beyond the last is the first again.
- * In open space spheres of cells that share a number are looked at in vain, and nothing else;
- * in a periodic box they are the images. Along an axis with one cell nobody leaves it.
+ * Cells are cubes with edges of at least the largest diameter, so that a sphere can touch only
+ * spheres of its own and of the neighbouring cells. There are `count` of them along each axis, and
+ * they repeat periodically: the cell after the last is the first. In a periodic box the repeated
+ * cells are its images. In open space distant cells with the same number share a list; the pairs
+ * that this adds are examined needlessly, without any other effect. Along an axis with one cell
+ * spheres do not leave it.
  */
 #ifndef REFDEM_IMPACTS_CELLS_H
 #define REFDEM_IMPACTS_CELLS_H
 
 #include "impacts_state.h"
 
-/* Edges are longer than a diameter by this part: places are rounded, and so are the times at which
- * spheres leave their cells. */
+/* Edges are longer than a diameter by this fraction, since positions and the times at which spheres
+ * leave their cells are rounded. */
 static const double MARGIN = 0x1p-20;
 
-/* Cells along an edge of a periodic box, at least: two spheres of neighbouring cells are then less
- * than half a period apart, and the nearest image is the neighbouring one. Fewer than 4 along
- * another axis are as well one: a sphere has all of them as neighbours. */
+/* FEWEST_PERIODIC: least number of cells along an edge of a periodic box. Two spheres of
+ * neighbouring cells are then less than half a period apart, and the nearest image is the one in
+ * the neighbouring cell. FEWEST_OPEN: in open space fewer cells along an axis are replaced by one,
+ * since a sphere would have all of them as neighbours. */
 enum { FEWEST_PERIODIC = 5, FEWEST_OPEN = 4, SPARE_CELLS = 128 };
 
-/* Where a sphere is: `at` counts cells from the grid's corner, without end; `cell` is the same
- * within the grid. It leaves through the side `exit` = 2 axis + (1 if upwards). */
+/* The cell of a sphere: `at` counts cells from the corner of the grid, without bounds, and `cell`
+ * is `at` modulo the number of cells. The sphere leaves through the side `exit` = 2 axis + (1 if
+ * upwards). */
 typedef struct {
     int64_t at[3];
     int32_t cell[3];
@@ -44,7 +47,7 @@ static inline int64_t most_cells(int64_t bodies)
     return 2 * bodies + SPARE_CELLS;
 }
 
-/* The least edge that cells may have. */
+/* The least edge of a cell, 2 max(R_i) (1 + MARGIN). */
 static inline double least_edge(const refdem_impacts *p)
 {
     double radius = 0.0;
@@ -86,8 +89,8 @@ static inline void extent_of(const motion *m, double now, double *restrict low,
         extent[c] = high[c] - low[c];
 }
 
-/* The grid of the bodies' extent: its edge is the least that makes no more cells than there may be.
- */
+/* The grid over the extent of the bodies. Its edge is the least with at most `most_cells` cells, up
+ * to a factor GROWTH. */
 static inline void fit_open_grid(const refdem_impacts *p, const motion *m, grid *g, double now)
 {
     static const double GROWTH = 1.0625;
@@ -155,13 +158,14 @@ static inline void enter_box(motion *m)
 {
     for (int64_t i = 0; i < m->bodies; i++)
         for (int c = 0; c < 3; c++) {
+            /* x = place + boxes period, 0 <= place < period */
             const double boxes = floor(m->flight[i].place[c] / m->period);
             m->flight[i].place[c] -= boxes * m->period;
             m->boxes[3 * i + c] = (int64_t)boxes;
         }
 }
 
-/* Puts every body into the cell of its place. */
+/* Puts every body into its cell: at = floor((r - low)/edge), cell = at modulo count. */
 static inline void fill_grid(const motion *m, grid *g, double now)
 {
     const int64_t all = (int64_t)g->count[0] * g->count[1] * g->count[2];
@@ -182,7 +186,7 @@ static inline void fill_grid(const motion *m, grid *g, double now)
     }
 }
 
-/* Takes a time and the side that is left then, if it is the first so far. */
+/* Keeps the earlier of two times, and the side through which the body leaves at it. */
 static inline void first_of(double when, int32_t side, double *restrict first,
                             int32_t *restrict exit)
 {
@@ -191,8 +195,9 @@ static inline void first_of(double when, int32_t side, double *restrict first,
     *first = is_first ? when : *first;
 }
 
-/* The time from now until a body leaves its cell, and through which side; infinity where there is
- * one cell, or no way out. */
+/* The time s from now until a body leaves its cell, and through which side; infinity along an axis
+ * with one cell, or for a body that does not reach a side. With the distance D to the side in the
+ * direction of motion, D = |v| s, and under gravity D = v s + g s^2/2 for either side. */
 static inline double until_exit(const motion *m, const grid *g, int64_t i, double now,
                                 int32_t *exit)
 {
@@ -215,7 +220,7 @@ static inline double until_exit(const motion *m, const grid *g, int64_t i, doubl
         }
         const int upwards = v[c] > 0.0;
         const double way = upwards ? above : below;
-        /* At rest on the side itself 0/0 is no time, and not the first. */
+        /* At rest on the side itself 0/0 is NaN, which first_of does not keep. */
         first_of((way > 0.0 ? way : 0.0) / fabs(v[c]), 2 * c + upwards, &first, exit);
     }
     return first;
@@ -239,7 +244,7 @@ static inline void cross_side(motion *m, grid *g, int32_t i)
         s->cell[axis] = count - 1;
         wrapped = 1.0;
     }
-    /* In a periodic box it comes in again on the other side; how often is counted. */
+    /* In a periodic box it enters again through the opposite side, and the box is counted. */
     if (wrapped != 0.0 && m->period > 0.0) {
         m->flight[i].place[axis] += wrapped * m->period;
         m->boxes[3 * i + axis] -= (int64_t)wrapped;
@@ -248,8 +253,8 @@ static inline void cross_side(motion *m, grid *g, int32_t i)
     enter_cell(g, i);
 }
 
-/* The cells along an axis that a search covers: those around the body's own, or with `exit` those
- * alone that its last step has brought near. */
+/* The cells along an axis that a search covers: the body's own and its neighbours, or with
+ * `only_new`, along the axis of the last crossing, only the one that it has made a neighbour. */
 static inline int columns(const grid *g, const slot *s, int axis, bool only_new,
                           int32_t *restrict out)
 {
@@ -271,9 +276,9 @@ static inline int columns(const grid *g, const slot *s, int axis, bool only_new,
     return 3;
 }
 
-/* Lists the bodies of a cell after the `found` ones of others; returns how many there are then.
- * Cells have seldom more than two: these are listed without a branch, and nobody is written over.
- */
+/* Appends the bodies of a cell to the `found` ones of other cells; returns the new number. Cells
+ * seldom have more than two: these are written without a branch, and the marker `nobody` is
+ * overwritten by the next entry. */
 static inline int64_t list_cell(const grid *g, int64_t cell, int64_t found, int32_t *restrict near)
 {
     const int32_t first = g->first[cell];
@@ -287,7 +292,7 @@ static inline int64_t list_cell(const grid *g, int64_t cell, int64_t found, int3
     return found;
 }
 
-/* Lists the bodies of the cells around body i, with itself; returns how many. */
+/* Lists the bodies of the cells around body i, including i itself; returns their number. */
 static inline int64_t list_near(const grid *g, int32_t i, bool only_new, int32_t *restrict near)
 {
     const slot *s = g->slot + i;

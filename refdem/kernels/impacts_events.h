@@ -1,17 +1,17 @@
 /* Many rigid spheres: event-driven, O(log bodies) an impact (impacts.c).
  *
- * Every sphere has one event in a queue: its next impact, as far as it knew when it looked last, or
- * the crossing into the next cell if that comes before. Phases: next_event, then
+ * Every sphere has one event in a queue: its next impact, as predicted at its last search, or the
+ * crossing into the next cell if that comes before. Phases: next_event, then one of
  *
- *   - cross: the sphere enters a cell, and looks at those that have come near;
- *   - look again: its partner has met another one in the meantime (it has counted more impacts than
- *     when the event was predicted), so that all neighbours are looked at anew;
+ *   - cross: the sphere enters a cell, and examines the spheres that have become neighbours;
+ *   - search again: its partner has had another impact since (its count of impacts exceeds that at
+ *     the prediction), so that all neighbours are examined again;
  *   - collide: both are advanced to the time of their impact and change their velocities;
  *
- * and predict and schedule for those whose event is gone. The coming impact of a pair is the event
- * of that one of the two spheres that was predicted last: a sphere is predicted anew when its own
- * flight begins, with the flights that others have then, so that predictions need not be passed on
- * to the partner (Lubachevsky 1991, with cells of Alder and Wainwright 1959).
+ * and predict and schedule for the spheres that have no valid event. The next impact of a pair is
+ * the event of the sphere that was predicted last: a sphere is predicted again when its own flight
+ * begins, with the current flights of the others, so that predictions need not be passed on to the
+ * partner (Lubachevsky 1991, with cells of Alder and Wainwright 1959).
  */
 #ifndef REFDEM_IMPACTS_EVENTS_H
 #define REFDEM_IMPACTS_EVENTS_H
@@ -21,24 +21,25 @@
 #include "impacts_log.h"
 #include "impacts_queue.h"
 
-/* Neighbours that are looked at together. */
+/* Number of neighbours in one vectorised block. */
 enum { NEAR_AT_ONCE = 64 };
 
-/* What a body is about to do: meet `partner` at the time `when`, unless that one's `impacts` are no
- * longer `met`; leave its cell at the time `leaves`. */
+/* The next events of a body: an impact with `partner` at the time `when`, valid while the partner's
+ * count `impacts` equals `met`; and leaving its cell at the time `leaves`. */
 typedef struct {
     double when, leaves;
     int32_t partner;
     uint32_t met, impacts;
 } plan;
 
-/* Spheres near another one, at one time, in columns that the compiler makes vectors of. */
+/* Neighbours of a sphere at one time, in columns that the compiler can vectorise. */
 typedef struct {
     double place[3][NEAR_AT_ONCE], velocity[3][NEAR_AT_ONCE], radius[NEAR_AT_ONCE];
 } neighbours;
 
-/* All that a run works on. `near` and `due` are about the body that is looking: those near it, and
- * about when it meets them, in units of their own that keep squares within the range of numbers. */
+/* The data of a run. For the body whose events are predicted, `near` lists its neighbours, and
+ * `due` the estimated times until it meets them, in units that keep squares of lengths and speeds
+ * in the range of binary64. */
 typedef struct {
     motion *m;
     grid grid;
@@ -50,13 +51,14 @@ typedef struct {
     int64_t crossings;
 } crowd;
 
-/* Crossings of each body after which the extent of all is looked at again. */
+/* Average number of crossings of a body after which the grid is checked against the extent. */
 enum { CROSSINGS_EACH = 64 };
 
-/* Roundings of q below, as a part of w^2 d^2: each of the dozen products and sums has one. */
+/* Bound on the rounding error of q in `estimate`, relative to w^2 d^2: about a dozen products and
+ * sums with one rounding each. */
 static const double GRAZING = 0x1p-47;
 
-/* Where so many of the bodies are at the time now. */
+/* Positions r + v s + g s^2/2 and velocities v + g s of the listed bodies at the time now. */
 static inline void gather(const motion *m, const int32_t *restrict near, int64_t count, double now,
                           neighbours *restrict out)
 {
@@ -78,9 +80,10 @@ static inline void gather(const motion *m, const int32_t *restrict near, int64_t
     }
 }
 
-/* About when a body at r that moves with v meets each of its neighbours, from now; infinity if it
- * does not. With d = r_j - r and w = v_j - v it may where b = d.w < 0 and, but for rounding,
- * q = b^2 - w^2 (d^2 - R^2) >= 0, at (d^2 - R^2)/(-b + sqrt(q)). */
+/* Estimated times from now until a body at r with velocity v meets each of its neighbours; infinity
+ * if it does not. With d = r_j - r, w = v_j - v and the sum R of the radii, they can meet if b =
+ * d.w < 0 and, up to rounding, q = b^2 - w^2 (d^2 - R^2) >= 0, at s = (d^2 - R^2)/(-b + sqrt(q)).
+ */
 static inline void estimate(const crowd *k, const neighbours *restrict near, int64_t count,
                             const double *restrict r, const double *restrict v, double radius,
                             double *restrict due)
@@ -110,7 +113,7 @@ static inline void estimate(const crowd *k, const neighbours *restrict near, int
     }
 }
 
-/* Lists in `due` about when body i meets each of those near. */
+/* Fills `due` with the estimated times until body i meets each of its neighbours. */
 static inline void estimate_all(crowd *k, int32_t i, double now, int64_t count)
 {
     neighbours some;
@@ -125,9 +128,9 @@ static inline void estimate_all(crowd *k, int32_t i, double now, int64_t count)
     }
 }
 
-/* The number of the smallest of so many times, the first one of equals; -1 if all are infinite.
- * Numbers that are not negative are ordered as their bits are, read as whole numbers: the compiler
- * makes vectors of a search for the smallest of these, which it may not do for numbers. */
+/* The index of the smallest of `count` times, the first one of equals; -1 if all are infinite.
+ * Nonnegative doubles are ordered like their bits read as integers, whose minimum the compiler may
+ * vectorise, unlike that of doubles. */
 static inline int64_t smallest(const double *restrict due, int64_t count)
 {
     double soonest = INFINITY;
@@ -146,7 +149,7 @@ static inline int64_t smallest(const double *restrict due, int64_t count)
         }
         return first;
     }
-    /* Spheres that overlap by a rounding, or nobody at all: one after the other. */
+    /* A negative time, of spheres that overlap by a rounding, or an empty list: a plain search. */
     soonest = INFINITY;
     for (int64_t n = 0; n < count; n++)
         if (due[n] < soonest) {
@@ -156,8 +159,8 @@ static inline int64_t smallest(const double *restrict due, int64_t count)
     return first;
 }
 
-/* The earliest impact of body i with one of the `count` near it, if it is before the plan's own.
- * Estimates say in which order to ask until_spheres, which decides. */
+/* The earliest impact of body i with one of its `count` neighbours, if it is earlier than that of
+ * the plan. Estimates give the order in which until_spheres, which decides, is evaluated. */
 static inline void predict_spheres(const refdem_impacts *p, crowd *k, int32_t i, double now,
                                    int64_t count)
 {
@@ -176,12 +179,12 @@ static inline void predict_spheres(const refdem_impacts *p, crowd *k, int32_t i,
         }
         if (when < INFINITY)
             return;
-        /* It grazes by, or parts: the next one. */
+        /* They miss each other or separate: try the next one. */
         k->due[first] = INFINITY;
     }
 }
 
-/* The earliest impact of body i with a plane, from the plan's own on. */
+/* The earliest impact of body i with a plane, if it is earlier than that of the plan. */
 static void predict_planes(const refdem_impacts *p, crowd *k, int32_t i, double now)
 {
     plan *own = k->plan + i;
@@ -199,7 +202,7 @@ static void predict_planes(const refdem_impacts *p, crowd *k, int32_t i, double 
     own->when = soonest;
 }
 
-/* The end of the body's stay in its cell, and its place in the queue. */
+/* The time at which body i leaves its cell, and its entry in the queue: the earlier event. */
 static void schedule_plan(crowd *k, int32_t i, double now)
 {
     plan *own = k->plan + i;
@@ -207,7 +210,7 @@ static void schedule_plan(crowd *k, int32_t i, double now)
     schedule(&k->queue, i, own->when < own->leaves ? own->when : own->leaves);
 }
 
-/* The events of body i anew. */
+/* Predicts the events of body i, from all its neighbours and the planes. */
 static void predict(const refdem_impacts *p, crowd *k, int32_t i, double now)
 {
     plan *own = k->plan + i;
@@ -222,7 +225,7 @@ static void predict(const refdem_impacts *p, crowd *k, int32_t i, double now)
     schedule_plan(k, i, now);
 }
 
-/* A new grid at the time now, and all events anew. */
+/* Makes a new grid at the time now, and predicts the events of all bodies. */
 static void make_grid(const refdem_impacts *p, crowd *k, double now)
 {
     if (k->m->period > 0.0)
@@ -235,7 +238,7 @@ static void make_grid(const refdem_impacts *p, crowd *k, double now)
     k->crossings = 0;
 }
 
-/* Bodies that fly apart need larger cells: they would cross small ones without end. */
+/* Bodies that fly apart need larger cells, since they would cross more and more small ones. */
 static void check_grid(const refdem_impacts *p, crowd *k, double now)
 {
     k->crossings = 0;
@@ -248,7 +251,7 @@ static void check_grid(const refdem_impacts *p, crowd *k, double now)
         make_grid(p, k, now);
 }
 
-/* Body i enters the next cell, and looks at those that this has brought near. */
+/* Body i enters the next cell, and examines the bodies that have become neighbours. */
 static void enter_next(const refdem_impacts *p, crowd *k, int32_t i)
 {
     const double now = k->plan[i].leaves;
@@ -261,14 +264,15 @@ static void enter_next(const refdem_impacts *p, crowd *k, int32_t i)
         check_grid(p, k, now);
 }
 
-/* True if what body i is about to meet has not met another one since. */
+/* True if the partner of body i has had no impact since the prediction, or is a plane. */
 static bool is_valid(const crowd *k, int32_t i)
 {
     const plan *own = k->plan + i;
     return own->partner < 0 || k->plan[own->partner].impacts == own->met;
 }
 
-/* Others that were to meet body i have to look again; nothing moves a fixed one. */
+/* Counts an impact of body i, which makes predictions of other bodies with it invalid; not of a
+ * fixed body, whose motion does not change. */
 static inline void count_impact(const refdem_impacts *p, crowd *k, int32_t i)
 {
     if (!is_fixed(p, i))
@@ -289,9 +293,9 @@ static int meet(const refdem_impacts *p, crowd *k, int32_t i, int32_t j, double 
     return GOES_ON;
 }
 
-/* Units of length and speed of which squares of squares are numbers: the size of the largest sphere
- * and the speed of the fastest, or of one that has fallen so far. Powers of two: no digit changes.
- */
+/* Units in which the products of `estimate`, of degree 4 in length and speed, do not overflow: the
+ * diameter D of the largest sphere, and the larger of sqrt(g D) and the largest speed. Both are
+ * rounded to powers of two, so that the change of units is exact. */
 static void choose_units(const refdem_impacts *p, crowd *k)
 {
     const double length = least_edge(p);
@@ -314,9 +318,9 @@ static void begin_cells(const refdem_impacts *p, crowd *k, double now)
     make_grid(p, k, now);
 }
 
-/* Makes all impacts up to the time `end`; returns GOES_ON, or why it stops before. The soonest
- * event of a body is that it leaves its cell, or meets its partner; the plan of a body whose
- * partner has met another one since is out of date, and is made anew. */
+/* Processes all events up to the time `end`; returns GOES_ON, or the reason for stopping earlier.
+ * The next event of a body is that it leaves its cell or meets its partner. If the partner has had
+ * another impact since the prediction, the events of the body are predicted again. */
 static int cells_until(const refdem_impacts *p, crowd *k, double end, event_log *log)
 {
     for (;;) {

@@ -1,7 +1,7 @@
 /* The impulses of an impact of rigid spheres (impacts.c).
  *
- * With n from i to j, the velocity g of the points that touch, its part c along n and its slip s
- * across,
+ * With n from i to j, the relative velocity g of the points in contact, its component c along n and
+ * its part s across n, the slip,
  *
  *     P = -p n - k s,   p = (1 + e) c / (1/m_i + 1/m_j),
  *     k = min((1 + b) / (1/m_i + 1/m_j + R_i^2/J_i + R_j^2/J_j), mu p / |s|)   (Walton 1993).
@@ -28,7 +28,7 @@ static inline double ease_along(const refdem_impacts *p, int64_t i, int64_t j)
     return ease;
 }
 
-/* The impact of smooth spheres: nothing acts across the normal. */
+/* The impact of smooth spheres: P = -(1 + e) m_n c n, with 1/m_n = 1/m_i + 1/m_j. */
 static inline void collide_smooth(const refdem_impacts *p, motion *m, int64_t i, int64_t j,
                                   const double *restrict normal)
 {
@@ -45,12 +45,12 @@ static inline void collide_smooth(const refdem_impacts *p, motion *m, int64_t i,
     add_scaled(m->flight[i].velocity, 1.0 / p->mass[i], impulse);
     if (j >= 0)
         add_scaled(m->flight[j].velocity, -1.0 / p->mass[j], impulse);
-    /* What is left of m_n c^2/2 is the part e^2. */
+    /* Work lost: (1 - e^2) m_n c^2/2. */
     const double left = p->restitution * p->restitution;
     m->work += 0.5 * ((1.0 - left) * closing * closing / ease);
 }
 
-/* The impact of spheres with friction, which turns them. */
+/* The impact of spheres with friction, which changes their spins. */
 static inline void collide_rough(const refdem_impacts *p, motion *m, int64_t i, int64_t j,
                                  const double *restrict normal)
 {
@@ -68,7 +68,8 @@ static inline void collide_rough(const refdem_impacts *p, motion *m, int64_t i, 
             surface[c] += p->radius[j] * m->spin[j].omega[c];
         }
     }
-    /* g = v_i - v_j + (R_i omega_i + R_j omega_j) x n; the last part has nothing along n. */
+    /* g = v_i - v_j + (R_i omega_i + R_j omega_j) x n; the last term has no component along n:
+     * c = (v_i - v_j).n,  s = g - c n. */
     cross(surface, normal, swept);
     const double closing = dot(relative, normal);
     for (int c = 0; c < 3; c++)
@@ -104,7 +105,7 @@ static inline void collide(const refdem_impacts *p, motion *m, int64_t i, int64_
         collide_smooth(p, m, i, j, normal);
 }
 
-/* The unit normal from body i to what it meets. */
+/* The unit normal from body i to body j, or into the plane j < 0. */
 static inline void normal_of(const refdem_impacts *p, const motion *m, int64_t i, int64_t j,
                              double *restrict normal)
 {
@@ -120,8 +121,8 @@ static inline void normal_of(const refdem_impacts *p, const motion *m, int64_t i
         normal[c] /= distance;
 }
 
-/* Time since the last impact of body i or of body j, whichever was later; nothing moves fixed
- * bodies and walls. */
+/* Time since the last impact of body i or of body j, whichever was later. Fixed bodies and planes
+ * do not count. */
 static inline double flown(const refdem_impacts *p, const motion *m, int64_t i, int64_t j,
                            double now)
 {
@@ -133,7 +134,8 @@ static inline double flown(const refdem_impacts *p, const motion *m, int64_t i, 
     return now - last;
 }
 
-/* Advances a body to its impact. Without friction its spin stays, and its attitude can wait. */
+/* Advances a body to its impact. Without friction its spin is constant, and its attitude is not
+ * needed before the next sample. */
 static inline void advance_to_impact(const refdem_impacts *p, motion *m, int64_t i, double now)
 {
     advance(m, i, now);
@@ -153,11 +155,12 @@ static inline int64_t creeping(motion *m, int64_t i, double way)
     return m->creeping[i];
 }
 
-/* The impact of body i with body j, or with a wall (j < 0), at the time now. False if they come to
- * rest against each other: times between their impacts shrink geometrically, and the way between
- * them is below the rounding of places for so many impacts that it must be without end. (Of chains
- * of spheres that touch, impacts without a way between them have an end: every body passes on every
- * other's blow.) */
+/* The impact of body i with body j, or with a plane (j < 0), at the time now. False if they come to
+ * rest against each other in infinitely many impacts: the times between impacts shrink
+ * geometrically, and the distance moved between them is below the rounding of positions in more
+ * than CREEPING + CREEPING_EACH bodies successive impacts. (The limit grows with the number of
+ * bodies because in a chain of spheres in contact each may pass on the impulse of every other one,
+ * by finitely many impacts without motion between them.) */
 static inline bool strike(const refdem_impacts *p, motion *m, int64_t i, int64_t j, double now)
 {
     enum { CREEPING = 1000, CREEPING_EACH = 10 };
@@ -170,6 +173,7 @@ static inline bool strike(const refdem_impacts *p, motion *m, int64_t i, int64_t
         add_scaled(relative, -1.0, m->flight[j].velocity);
     }
     normal_of(p, m, i, j, normal);
+    /* Distance moved along the normal since the last impact: (v_i - v_j).n elapsed. */
     const double way = dot(relative, normal) * elapsed;
     int64_t count = creeping(m, i, way);
     if (j >= 0)

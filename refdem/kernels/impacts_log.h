@@ -1,19 +1,20 @@
-/* The impacts that are reported, and when a run ends early (impacts.c). */
+/* The list of impacts that is returned, and the reasons to end a run early (impacts.c). */
 #ifndef REFDEM_IMPACTS_LOG_H
 #define REFDEM_IMPACTS_LOG_H
 
 #include <stdint.h>
 
-/* Why a run ends early: more impacts than the caller wants, or spheres that come to rest. */
+/* Reasons to end a run early: more impacts than allowed, or spheres that come to rest. */
 enum { GOES_ON = 0, TOO_MANY = 1, RESTS = 2 };
 
-/* The impacts so far: `event` (most, 3) is the table that is filled. */
+/* The impacts so far: their number `events`, of at most `longest`, and the table `event` (most, 3)
+ * of the first ones. */
 typedef struct {
     double *event;
     int64_t most, longest, events;
 } event_log;
 
-/* Notes an impact, unless there are too many. */
+/* Adds an impact; returns TOO_MANY beyond the allowed number. */
 static inline int record(event_log *log, double when, int64_t i, int64_t j)
 {
     if (log->events == log->longest)

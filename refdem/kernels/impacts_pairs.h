@@ -1,8 +1,8 @@
-/* Few rigid spheres: every pair is looked at (impacts.c).
+/* Few rigid spheres: every pair is examined (impacts.c).
  *
- * A body knows its next impact: the earliest of those with every other body and plane. Only the
- * bodies that met, and those that were to meet one of them, look for their next ones anew:
- * O(bodies) an impact, without anything to keep in order.
+ * Each body has its next impact: the earliest with any other body and plane. After an impact only
+ * the two bodies, and those whose next impact was with one of them, are predicted again: O(bodies)
+ * an impact, without a sorted queue.
  */
 #ifndef REFDEM_IMPACTS_PAIRS_H
 #define REFDEM_IMPACTS_PAIRS_H
@@ -10,7 +10,7 @@
 #include "impacts_law.h"
 #include "impacts_log.h"
 
-/* Takes an impact of body i if it is its earliest. */
+/* Sets the next impact of body i if this one is earlier. */
 static inline void offer(motion *m, int64_t i, double when, double partner)
 {
     if (when < m->next[i]) {
@@ -19,7 +19,8 @@ static inline void offer(motion *m, int64_t i, double when, double partner)
     }
 }
 
-/* The next impact of body i anew; the others hear of theirs with it. */
+/* Predicts the next impact of body i, and updates that of the others where one with i is earlier.
+ */
 static void predict_among_all(const refdem_impacts *p, motion *m, int64_t i, double now)
 {
     m->next[i] = INFINITY;
@@ -63,7 +64,7 @@ static int64_t earliest(const motion *m)
     return first;
 }
 
-/* Makes the impact of body i with its partner, and looks for those that follow. */
+/* Applies the impact of body i with its partner, and predicts those that follow. */
 static int happen(const refdem_impacts *p, motion *m, int64_t i)
 {
     const double now = m->next[i];
@@ -78,7 +79,8 @@ static int happen(const refdem_impacts *p, motion *m, int64_t i)
     return GOES_ON;
 }
 
-/* All impacts up to the time `end`; why they end before. */
+/* Processes all impacts up to the time `end`; returns GOES_ON, or the reason for stopping earlier.
+ */
 static int pairs_until(const refdem_impacts *p, motion *m, double end, event_log *log)
 {
     for (;;) {

@@ -1,9 +1,9 @@
-/* Which of many bodies is next: a tournament (Knuth, The Art of Computer Programming 3, 5.4.1).
+/* The event queue: a tournament tree (Knuth, The Art of Computer Programming 3, 5.4.1).
  *
- * A complete binary tree has the bodies as its leaves, and in every node the one of its two
- * children that is due earlier, so that the root is the next of all. A new time of a body plays the
- * games on its way to the root again: O(log bodies), always as many, and without a branch that
- * could be foretold wrongly. Of equal times the body with the lower number wins.
+ * A complete binary tree has the bodies as its leaves, and in every node the earlier entry of its
+ * two children, so that the root is the next event of all. A new time of a body updates the nodes
+ * on its path to the root: O(log bodies), always the same number, and without branches that may be
+ * mispredicted. Of equal times the body with the lower number wins.
  */
 #ifndef REFDEM_IMPACTS_QUEUE_H
 #define REFDEM_IMPACTS_QUEUE_H
@@ -11,7 +11,7 @@
 #include <math.h>
 #include <stdint.h>
 
-/* Somebody, and the time at which it is due. */
+/* A body and the time of its next event. */
 typedef struct {
     double when;
     int64_t body;
@@ -32,7 +32,7 @@ static inline int64_t leaves_of(int64_t bodies)
     return leaves;
 }
 
-/* A tree in which nobody is due. */
+/* A tree in which all times are infinite. */
 static inline void empty_queue(queue *q, int64_t bodies)
 {
     q->leaves = leaves_of(bodies);
@@ -42,13 +42,13 @@ static inline void empty_queue(queue *q, int64_t bodies)
     }
 }
 
-/* Who is due next, and when. */
+/* The body with the next event, and its time. */
 static inline entry next_event(const queue *q)
 {
     return q->node[1];
 }
 
-/* Body i is due at the time `when`. */
+/* Sets the time of the next event of body i. */
 static inline void schedule(queue *q, int64_t i, double when)
 {
     entry winner = {.when = when, .body = i};
@@ -58,7 +58,7 @@ static inline void schedule(queue *q, int64_t i, double when)
         const int is_earlier = rival.when < winner.when;
         const int is_equal = rival.when == winner.when;
         const int is_lower = rival.body < winner.body;
-        /* All ones if the rival wins: a mask, where a branch would be foretold wrongly. */
+        /* All ones if the rival wins: a mask in place of a branch that would be mispredicted. */
         const int64_t mask = -(int64_t)(is_earlier | (is_equal & is_lower));
         winner.body ^= (winner.body ^ rival.body) & mask;
         winner.when = is_earlier ? rival.when : winner.when;

@@ -1,10 +1,10 @@
-/* Where rigid spheres are, and when they meet (impacts.c).
+/* The state of rigid spheres, and the times at which they meet (impacts.c).
  *
- * A sphere knows its place and velocity at its own time, that of its last impact: it flies on
+ * The position and velocity of a sphere are kept at a time of its own, that of its last impact:
  *
  *     r(t) = r + v s + g s^2/2,   v(t) = v + g s,   s = t - since,
  *
- * and is advanced only when it takes part in an impact.
+ * and are advanced only when it takes part in an impact.
  */
 #ifndef REFDEM_IMPACTS_STATE_H
 #define REFDEM_IMPACTS_STATE_H
@@ -20,24 +20,24 @@
 /* Partners of an impact: a sphere by its number, plane k as -1 - k. */
 enum { NOBODY = INT32_MIN };
 
-/* Bound, relative to the speeds, of a closing speed that is 0 but for rounding: that of the
- * velocities after an impact, and of their components along the normal. */
+/* Bound, relative to the speeds, on a closing speed that is 0 up to the rounding of the velocities
+ * after an impact and of their components along the normal. */
 static const double ROUNDINGS = 16.0 * 0x1p-53;
 
-/* The flight of a sphere: what looking for impacts reads, one line of the cache. */
+/* The flight of a sphere: all that the search for impacts reads, in one cache line. */
 typedef struct {
     double place[3], velocity[3], since, radius;
 } flight;
 
-/* The turning of a sphere, since a time of its own. */
+/* The rotation of a sphere: spin and attitude at a time of its own. */
 typedef struct {
     double omega[3], attitude[4], since;
 } spin;
 
-/* The state of all bodies. In a periodic box places are kept in it, and the `boxes` (bodies, 3) by
- * which a body has moved on are counted. `creeping` is the number of successive impacts of each
- * between which it moves by less than the rounding of its position. `next` and `partner` are each
- * one's next impact where every pair is looked at (impacts_pairs.h). */
+/* The state of all bodies. In a periodic box positions are kept in the box, and `boxes` (bodies, 3)
+ * counts the whole periods that a body has moved. `creeping` is the number of successive impacts of
+ * each body between which it moves by less than the rounding of its position. `next` and `partner`
+ * are the next impact of each body where every pair is examined (impacts_pairs.h). */
 typedef struct {
     int64_t bodies;
     bool falls;
@@ -51,13 +51,13 @@ typedef struct {
     double work;
 } motion;
 
-/* True for a body that nothing moves. */
+/* True for a fixed body, of infinite mass. */
 static inline bool is_fixed(const refdem_impacts *p, int64_t i)
 {
     return isinf(p->mass[i]);
 }
 
-/* Place of a body at the time now. */
+/* Place r + v s + g s^2/2 of a body at the time now, s = now - since. */
 static inline void place(const motion *m, int64_t i, double now, double *restrict out)
 {
     const flight *f = m->flight + i;
@@ -68,7 +68,7 @@ static inline void place(const motion *m, int64_t i, double now, double *restric
         add_scaled(out, 0.5 * elapsed * elapsed, m->gravity);
 }
 
-/* Place of a body at the time now, with the boxes by which it has gone on. */
+/* Place of a body at the time now in unbounded space, place + boxes period. */
 static inline void place_beyond(const motion *m, int64_t i, double now, double *restrict out)
 {
     place(m, i, now, out);
@@ -78,7 +78,7 @@ static inline void place_beyond(const motion *m, int64_t i, double now, double *
         out[c] += (double)m->boxes[3 * i + c] * m->period;
 }
 
-/* Velocity of a body at the time now. */
+/* Velocity v + g s of a body at the time now. */
 static inline void velocity(const motion *m, int64_t i, double now, double *restrict out)
 {
     const flight *f = m->flight + i;
@@ -87,7 +87,8 @@ static inline void velocity(const motion *m, int64_t i, double now, double *rest
         add_scaled(out, now - f->since, m->gravity);
 }
 
-/* Attitude of a body at the time now: it has turned by omega times the time about a fixed axis. */
+/* Attitude of a body at the time now, after a rotation by |omega| s about a fixed axis:
+ * q = (cos(|omega| s/2), sin(|omega| s/2) omega/|omega|) q_since. */
 static inline void faced(const motion *m, int64_t i, double now, double *restrict out)
 {
     const spin *s = m->spin + i;
@@ -141,7 +142,9 @@ static inline void branch(const motion *m, const double *restrict ri, const doub
     }
 }
 
-/* Time from now until two spheres meet, or infinity. */
+/* Time from now until two spheres meet, or infinity: with d = (r_j - r_i)/R, u = w/|w|, b = d.u,
+ *
+ *   s = (R/|w|) (|d| - 1) (|d| + 1)/(-b + sqrt(q)),   q = 1 - |d x u|^2   (impacts.c). */
 static inline double until_spheres(const refdem_impacts *p, const motion *m, int64_t i, int64_t j,
                                    double now)
 {
@@ -173,8 +176,9 @@ static inline double until_spheres(const refdem_impacts *p, const motion *m, int
     return fmax(0.0, gap / (sqrt(q) - b)) * (reach / speed);
 }
 
-/* The first time s >= 0 at which what moves as v s + a s^2/2 passes `ahead` >= 0 forwards, or
- * infinity; without cancellation. What has passed it by a rounding is there. */
+/* The first time s >= 0 with v s + a s^2/2 = D = max(0, ahead), passed in the positive direction,
+ * or infinity. With q = v^2 + 2 a D, s = 2 D/(v + sqrt(q)) if v > 0, else (sqrt(q) - v)/a if a > 0,
+ * each without cancellation. A negative `ahead` is a rounding, and counts as 0. */
 static inline double until_passed(double ahead, double v, double a)
 {
     const double way = fmax(0.0, ahead);

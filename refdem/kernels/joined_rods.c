@@ -7,9 +7,9 @@
  *
  * A spring from a to b with d = r_b - r_a pulls a with k (1 - s/|d|) d, and b with the opposite of
  * it; s is its length without force. State (2 N + S): angles since the start [rad], rates [rad/s],
- * and log |d| of each spring, which ends the series where |d| = 0 and the pull has no direction,
- * also where the points go straight through each other and the pull on this side has a series
- * there.
+ * and log |d| of each spring. Its singularity stops the integration where |d| = 0 and the pull has
+ * no direction, even if the pull has a regular series up to there, as for points that pass straight
+ * through each other.
  */
 #include <assert.h>
 
@@ -29,7 +29,9 @@ typedef struct {
         outer_rate; /* sqrt(g/l) of the shortest rod + sqrt(sum k/m) of the lightest point [1/s] */
 } rods;
 
-/* Coefficient n of the place of point i from the sine and cosine of its angle since the start. */
+/* Coefficient n of the position pivot_i + l_i (sin th_i, -cos th_i), with sin th_i = sin th_0 cos a
+ * + cos th_0 sin a and cos th_i = cos th_0 cos a - sin th_0 sin a of the angle a since the start.
+ */
 static void place(const rods *p, int i, const double *s, const double *c, series *sine,
                   series *cosine, series *r, int n)
 {
@@ -114,6 +116,7 @@ static void expand(const void *system, dd time, series *y, double *scale)
                     force[b][axis][n] -= pull;
             }
         }
+        /* th_i'' = (m_i g + pulls on i).t_i/(m_i l_i) */
         for (int i = 0; i < p->rods; i++) {
             double along = cauchy(force[i][0], cosine[i], n) + cauchy(force[i][1], sine[i], n);
             y[i][n + 1] = y[p->rods + i][n] / (n + 1);

@@ -50,6 +50,9 @@ static void solve_kepler(const orbit *o, dd mean, double *restrict c, double *re
     double anomaly = m + copysign(0.85 * o->e, m);
     if (fabs(m) < 0.1 * o->one_minus_e) /* near the pericentre M = (1 - e) E */
         anomaly = m / o->one_minus_e;
+    /* With f1 = 1 - e cos E, f2 = e sin E, f3 = e cos E, the first three derivatives of f:
+     *   d1 = -f/f1,   d2 = -f/(f1 + d1 f2/2),   d3 = -f/(f1 + d2 f2/2 + d2^2 f3/6),
+     * steps of order 2, 3 and 4, and E += d3. */
     double change = 1.0;
     for (int i = 0; i < 30 && fabs(change) > 1e-9 * fabs(anomaly); i++) {
         double s0 = sin(anomaly);
@@ -62,6 +65,7 @@ static void solve_kepler(const orbit *o, dd mean, double *restrict c, double *re
         change = -f / (slope + 0.5 * halley * e_sin + halley * halley * e_cos / 6.0);
         anomaly += change;
     }
+    /* dE = -f/f', cos(E + dE) = cos E - dE sin E, sin(E + dE) = sin E + dE cos E. */
     double s0 = sin(anomaly);
     double c0 = cos(anomaly);
     double correction = (m - (o->one_minus_e * anomaly + o->e * minus_sine(anomaly, s0)) + mean.lo)
@@ -93,7 +97,7 @@ static int prepare(orbit *o, double gm, const double *restrict position,
     dd e = dd_sqrt(dd_add(dd_square(e_cos_e0), dd_square(e_sin_e0)));
     dd one_minus_e2 = dd_mul(dd_sub(dd_mul(dd_dot(r, r), dd_dot(v, v)), dd_square(dd_dot(r, v))),
                              dd_div(alpha, mu));
-    if (!(one_minus_e2.hi > 1e-16)) /* as good as a straight line through the centre */
+    if (!(one_minus_e2.hi > 1e-16)) /* numerically a straight line through the centre */
         return 1;
     dd root = dd_sqrt(one_minus_e2);
     dd e0 = angle_of(e_sin_e0, e_cos_e0);
@@ -110,6 +114,9 @@ static int prepare(orbit *o, double gm, const double *restrict position,
     o->root_one_minus_e2 = root.hi;
     o->a = a.hi;
     o->speed = dd_mul(o->rate, a).hi;
+    /* 1 - e = (1 - e^2)/(1 + e) without cancellation, and with b = sqrt(1 - e^2)
+     *   P = cos E0 r/|r| - sin E0 v/sqrt(gm alpha),
+     *   Q = (sin E0 r/|r| + (cos E0 - e) v/sqrt(gm alpha))/b. */
     for (int i = 0; i < 3; i++) {
         dd radial = dd_div(r[i], distance);
         dd along_v = dd_div(v[i], dd_sqrt(dd_mul(mu, alpha)));
@@ -163,7 +170,8 @@ int refdem_kepler_run(const double *motion)
         int odd;
         dd mean = dd_add(o->start, dd_mul(o->rate, two_sum(t[n], -o->t0)));
         solve_kepler(o, dd_reduced(mean, period, &odd), &cos_e, &sin_e);
-        /* 1 - cos E, as sin^2 E/(1 + cos E) where the difference would cancel. */
+        /* 1 - cos E, as sin^2 E/(1 + cos E) where the difference would cancel. Then
+         * cos E - e = (1 - e) - (1 - cos E),   1 - e cos E = (1 - e) + e (1 - cos E). */
         double small = sin_e * sin_e / (1.0 + fabs(cos_e));
         double one_minus_cos = 1.0 - cos_e;
         if (cos_e > 0.0)

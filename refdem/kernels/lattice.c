@@ -21,9 +21,10 @@ static inline double acceleration(const refdem_lattice *p, double x)
     return (p->weight - spring_force - cubic_force) / p->mass;
 }
 
-/* The whole number nearest to part * count, though count may have more bits than binary64, and so
- * may the product: count = rough + rest, part rough = hi + lo exactly; hi is rounded first, and
- * what it leaves is added to the small terms. */
+/* The whole number nearest to factor * count, where count and the product may have more bits than
+ * binary64. With count = rough + rest and factor rough = hi + lo exactly,
+ *
+ *   [factor count] = [hi] + [(hi - [hi]) + factor rest + lo]. */
 static inline int64_t rounded_product(double factor, int64_t count)
 {
     double rough = (double)count;
@@ -49,7 +50,7 @@ int refdem_lattice_verlet(const refdem_lattice *p, double x0, double v0, double 
     int64_t velocity_change = llrint(half_kick * acceleration(p, (double)place * p->place));
     for (int64_t row = 1; row < samples; row++) {
         for (int64_t n = 0; n < stride; n++) {
-            /* Kick, drift, kick. The last push is the first one of the next step. */
+            /* Kick, drift, kick. The change of the last kick is that of the next step's first. */
             speed += velocity_change;
             place += rounded_product(drift, speed);
             velocity_change = llrint(half_kick * acceleration(p, (double)place * p->place));

@@ -59,8 +59,10 @@ static void shapes(const linear *p, dd s, double *restrict c, double *restrict d
     } else if (p->kind == CRITICAL) {
         *c = exp(-dd_round(dd_mul(p->decay, s)));
         *d = *c * dd_round(s);
-    } else { /* the slow rate b - W = w0^2/(b + W), without cancellation; backwards both are as they
-                are */
+    } else {
+        /* With the slow rate b - W = w0^2/(b + W), without cancellation, and for either sign of s,
+         *   C = exp(-(b - W) s) (1 + exp(-2 W s))/2,   D = exp(-(b - W) s) (1 - exp(-2 W s))/(2 W).
+         */
         dd slow = dd_div(dd_square(p->rate), dd_add(p->decay, p->width));
         double fade = exp(-dd_round(dd_mul(slow, s)));
         double rest = expm1(-2.0 * dd_round(phase));
@@ -114,8 +116,9 @@ static void add_lightly_damped(const linear *p, dd s, double f, double w, double
     *v += scale * cimag(CMPLX(-b.hi, wide.hi) * sum);
 }
 
-/* The steady motion f ((w0^2 - w^2) cos + 2 b w sin)/((w0^2 - w^2)^2 + (2 b w)^2) at a phase with
- * the given cosine and sine, and its velocity. */
+/* The steady motion at a phase with the given cosine and sine, with N = (w0^2 - w^2)^2 + (2 b w)^2:
+ *
+ *   x = f ((w0^2 - w^2) cos + 2 b w sin)/N,   v = f w (2 b w cos - (w0^2 - w^2) sin)/N. */
 static void steady_motion(const linear *p, double f, double w, double c, double s,
                           double *restrict x, double *restrict v)
 {

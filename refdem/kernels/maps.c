@@ -45,8 +45,8 @@ typedef struct {
     dd next;
 } unfolded;
 
-/* Sets the time at which it meets the next wall, at size (count + 1/2) from the centre of the first
- * table: (size (count + 1/2) - sense start)/|rate|. */
+/* Sets the time of the next bounce, at a wall at the distance size (count + 1/2) from the centre of
+ * the first table: t = (size (count + 1/2) - sense start)/|rate|. */
 static inline void find_next_wall(unfolded *c)
 {
     dd way = dd_sub(dd_scale(dd_of(c->size), (double)c->count + 0.5), dd_of(c->sense * c->start));
@@ -132,6 +132,7 @@ static inline int bounce(double r, double a, int arc, double *restrict s)
     /* |(q, y) + t (u, v)| = r, from the centre of that half circle: t^2 + 2 b t + (q^2 + y^2 - r^2)
      * = 0. */
     double q = x - side * a;
+    /* t = -b + sqrt(b^2 - (q^2 + y^2 - r^2)), b = q u + y v */
     double b = q * u + y * v;
     double t = -2.0 * b; /* from a place on the same half circle: q^2 + y^2 = r^2 */
     if (arc != side)

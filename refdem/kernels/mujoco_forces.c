@@ -1,9 +1,9 @@
 /* Forces that MuJoCo calls for in every stage of an integrator (mjcb_passive), at the state of that
  * stage: drives, springs of any power, dashpots, central and piecewise fields.
  *
- * No header of MuJoCo is used: the adapter tells where the state lies. MuJoCo's callback has no
- * argument for its user, and is one for the whole process; what it applies is kept for each thread.
- * The laws of the forces stand in force_rows.h.
+ * No header of MuJoCo is used: the adapter passes the addresses of the state. MuJoCo's callback has
+ * no user argument, and there is one for the whole process; the forces that it applies are kept for
+ * each thread. Their laws are in force_rows.h.
  */
 #include "mujoco_forces_kernel.h"
 

@@ -8,14 +8,14 @@
  *   g' = -q o - F/m,   q' = g o - f/m,   w_i' = l_i f/J_i (j alike),
  *   slip u = l_i w_i + l_j w_j - q.
  * STICK: f = -k_t s, s' = u. SLIP: f = -side mu F, the spring as long as that force asks. FREE: f =
- * 0, there is no friction or F pulls. APART: straight on, for ever: nothing brings two spheres
- * back, nor can a force that has ended press again.
+ * 0, there is no friction or F pulls. APART: free flight without end, since two spheres that part
+ * do not meet again, and a force that has ended does not press again.
  *
  * Coefficients by the recurrences of products and of the quotient (Jorba and Zou 2005, proposition
- * 1). Events are zeros of the series to the last bit; a function that begins at a zero of its own
- * is searched without it. The work lost is the integral of products of these series, which turn
- * twice as fast as the motion: its series has all terms of the products, so that it does not ask
- * for shorter steps.
+ * 1). Events are zeros of the series to the last bit; a function that is zero at the start of the
+ * segment is first divided by that power of the time. The work lost is the integral of products of
+ * these series, which oscillate twice as fast as the motion: its series has all terms of the
+ * products, so that it does not require shorter steps.
  *
  * Phases: begin, measure, expand, step_size, locate, record, accept, change_mode.
  */
@@ -62,8 +62,8 @@ static int sign_of(double value)
     return -1;
 }
 
-/* The contact ends where its force does, before the overlap: the law has no pull, and a dashpot
- * that would pull. */
+/* True if the contact ends where its force does, before the overlap: the law does not pull, and has
+ * a dashpot that would. */
 static int ends_with_force(const pair *p)
 {
     return p->no_pull && p->damping > 0.0;
@@ -87,7 +87,7 @@ static motion begin(const pair *p, const double *start)
     m.mode = STICK;
     if (fabs(slip) * p->tangential_stiffness > p->friction * limit)
         m.mode = SLIP;
-    if (p->friction == 0.0 || force < 0.0) /* what pulls does not rub */
+    if (p->friction == 0.0 || force < 0.0) /* a force that pulls has no friction */
         m.mode = FREE;
     return m;
 }
@@ -113,7 +113,7 @@ static inline void measure(const pair *p, const motion *m, segment *restrict z,
 
 /* Series of the work lost over s: the integral of the power c g^2 - f u, with all 2 ORDER + 1
  * coefficients of the products, c_(n+k) = sum of c g_n g_k - f_n u_k, row n after row, in vectors.
- * -friction f is the force across that does work: none where it is free. */
+ * Where the motion is FREE, f = 0. */
 static inline void expand_work(const pair *p, const motion *m, segment *restrict z)
 {
     double g[PADDED_ORDER], slip[PADDED_ORDER], power[2 * PADDED_ORDER];
@@ -201,9 +201,9 @@ static double step_size(const pair *p, const segment *z)
     return fmin(h, p->longest);
 }
 
-/* Looks for the first zero of the guard `a`, a series that begins with `skip` zeros; where it is
- * the first of all guards, the segment ends there, and the mode `next` follows. The segment may
- * also be cut short without an event, where that decides the question sooner. */
+/* Finds the first zero of the guard `a`, a series with a zero of order `skip` at the start; if it
+ * is the first of all guards, the segment ends there, and the mode `next` follows. The segment may
+ * also be shortened without an event, to where the absence of a zero is easier to prove. */
 static void watch(const double *a, int skip, int next, segment *restrict z)
 {
     series guard;
@@ -256,7 +256,7 @@ static void locate(const pair *p, const motion *m, segment *restrict z)
         watch(z->force, 0, APART, z);
     else
         watch(z->y[D], m->overlap_zeros, APART, z);
-    /* A force that pulls does not rub. */
+    /* A force that pulls has no friction. */
     int may_pull = !ends_with_force(p) && p->damping > 0.0;
     if (p->friction > 0.0 && may_pull && m->mode != FREE)
         watch(z->force, 0, FREE, z);
@@ -264,8 +264,12 @@ static void locate(const pair *p, const motion *m, segment *restrict z)
         watch_friction(p, m, z);
 }
 
-/* The state y after `since` of free flight: the relative place is (D - g t, q t) along and across
- * the line of centres at the release, whose direction turns with it; spins stay. */
+/* The state y after the time t = `since` of free flight. Along and across the line of centres at
+ * the release the relative position is (X, Y) = (D - g t, q t), with the velocity (-g, q), so that
+ *
+ *   D(t) = sqrt(X^2 + Y^2),   g(t) = -(-X g + Y q)/D(t),   q(t) = (X q + Y g)/D(t),
+ *
+ * the line of centres has turned by atan2(Y, X), and spins are constant. */
 static void fly(const pair *p, const motion *m, double since, double *restrict y)
 {
     double distance_before = p->radius_i + p->radius_j - m->y[D];
@@ -300,8 +304,9 @@ static void state_at(const pair *p, const motion *m, const segment *z, double si
     y[WORK] = m->y[WORK] + work_after(z, since);
 }
 
-/* Energy [J] that springs hold and do not give back: k_t s^2/2 of the tangential one while it
- * presses, k d^2/2 of the normal one once the force has ended before the overlap. */
+/* Energy [J] in springs that the normal force does not return: k_t s^2/2 of the tangential one
+ * while the contact presses, k d^2/2 of the normal one once the force has ended before the overlap.
+ */
 static double stored_energy(const pair *p, const motion *m, const double *restrict y, double spring)
 {
     double force = p->stiffness * y[D] + p->damping * y[G];
@@ -362,7 +367,7 @@ static void change_mode(const pair *p, motion *m, const segment *z)
     if (z->next == APART) {
         if (!ends_with_force(p))
             m->y[D] = 0.0; /* exactly */
-        /* What the normal spring still holds is lost. */
+        /* The energy k d^2/2 left in the normal spring is lost. */
         m->y[WORK] += 0.5 * p->stiffness * m->y[D] * m->y[D];
     }
     m->mode = z->next;

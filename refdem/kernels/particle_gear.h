@@ -1,9 +1,9 @@
 /* Points under springs, gravity and a central field by Gear's predictor-corrector (gear.h).
  *
- * The rows from 3 on begin with derivatives of the acceleration: extrapolation takes the motion to
- * round-off to seven nodes, a quarter of a step apart and the start in the middle, and the
- * polynomial through the accelerations there, sum of p_i s^i with s in nodes, has them but for
- * terms of order h^9 in the rows: r_(i+2) = h^2 4^i p_i/((i + 1) (i + 2)).
+ * The rows from 3 on start from derivatives of the acceleration. Extrapolation integrates the
+ * motion, to round-off, to seven nodes a quarter of a step apart, with the start in the middle. The
+ * polynomial through the accelerations there, sum of p_i s^i with s in node distances, gives these
+ * derivatives up to terms of order h^9 in the rows: r_(i+2) = h^2 4^i p_i/((i + 1) (i + 2)).
  */
 #ifndef REFDEM_PARTICLE_GEAR_H
 #define REFDEM_PARTICLE_GEAR_H
@@ -49,7 +49,9 @@ static inline void accelerations_at_nodes(runner *r, const double *restrict star
     }
 }
 
-/* Fills Nordsieck's rows at the state `start`; `acceleration` holds what the nodes have. */
+/* Fills Nordsieck's rows at the state `start` from the accelerations a_k at the nodes k:
+ *
+ *   p_i = sum over k of THROUGH_NODES[i][k] a_k,   r_(i+2) = h^2 4^i p_i/((i + 1) (i + 2)). */
 static inline void fill_rows(gear *g, const double *restrict start, double h,
                              const double *restrict acceleration)
 {
@@ -70,7 +72,7 @@ static inline void fill_rows(gear *g, const double *restrict start, double h,
     }
 }
 
-/* What the accelerations are asked of: the scene, and room for a state and its rates. */
+/* The arguments of `particle_acceleration`: the scene, and room for a state and its rates. */
 typedef struct {
     const runner *r;
     double *state, *rate;

@@ -26,13 +26,13 @@ typedef struct {
     int64_t size;
     int64_t *mode;   /* of each pair */
     double *scratch; /* work space of the methods */
-    /* Scales that errors are compared with: of positions [m], velocities [m/s], spins [rad/s], and
-     * of the springs: the largest way in a step [m]. */
+    /* Scales of errors of positions [m], of velocities [m/s], of spins [rad/s], and of springs, the
+     * largest distance in a step [m]. */
     double length, speed, turning, way;
 } runner;
 
-/* to[c] = from[c] + increment; what rounding loses is kept at to[size + c], and taken in by the
- * next sum (Kahan 1965; Knuth's two-sum, TAOCP 4.2.2). */
+/* to[c] = from[c] + increment; the rounding error is kept in to[size + c], and added to the
+ * increment of the next sum (Kahan 1965; Knuth's two-sum, TAOCP 4.2.2). */
 static inline void add_compensated(const runner *r, const double *from, int64_t c, double increment,
                                    double *to)
 {
@@ -73,10 +73,10 @@ static inline void turn_towards_slip(const contact *m, double stiffness, double 
         s[c] = cosine * m->slip[c] / slip_speed + sine * across[c] / across_length;
 }
 
-/* Moves every tangential spring on by h, at the normals and slips of state y: s += h u where it
- * sticks, by `lean` where it slips. The normals are kept in `normal` (pairs, 3); if `carried`, the
- * springs are first rotated from the normals kept there, n0, to those of y, n1: for s across n0,
- *   s -= (n1.s)/(1 + n0.n1) (n0 + n1). */
+/* Advances every tangential spring by h, at the normals and slips of state y: s += h u where it
+ * sticks, by turn_towards_slip where it slips. The normals are kept in `normal` (pairs, 3); if
+ * `carried`, the springs are first rotated from the normals kept there, n0, to those of y, n1: for
+ * s across n0, s -= (n1.s)/(1 + n0.n1) (n0 + n1). */
 static inline void move_springs(const runner *r, double *restrict y, double h,
                                 double *restrict normal, int is_carried)
 {
@@ -140,8 +140,8 @@ static inline void kick(const runner *r, const double *from, const double *restr
 }
 
 /* Velocity Verlet (Swope et al. 1982): kick, drift, kick; springs move by half a step before the
- * drift and half a step after it. Forces that depend on velocities see v + h/2 a with the old a,
- * then once more with the new one, which keeps the second order. */
+ * drift and half a step after it. Forces that depend on velocities are evaluated with v + h/2 a of
+ * the old a, then again with that of the new one, which keeps the second order. */
 static inline int verlet(const runner *r, const double *restrict y, const double *restrict dy,
                          double h, double *restrict out, double *restrict rate)
 {
@@ -315,7 +315,7 @@ static inline double difference(const runner *r, const double *restrict end,
     return worst;
 }
 
-/* Raises the scales to what the state shows before a step h. */
+/* Raises the scales to those of the state before a step h. */
 static inline void update_scales(runner *r, const double *restrict y, const double *restrict dy,
                                  double h)
 {

@@ -68,11 +68,11 @@ static double zero_of_guard(const runner *r, course *c, int64_t k, int kind, dou
     double at_high = last;
     double fraction = high;
     int side = 0;
-    /* What parts within rounding parts now: else it would stick and slip without end at the last
-     * bit. */
+    /* A contact that is about to part and has no overlap beyond rounding parts now: else it would
+     * alternate between modes without end at the last bit. */
     if (kind == GAP && at_low <= SLACK && measure(r->p, k, c->y).rate * h < 0.0)
         return 0.0;
-    /* What begins at zero must first have risen. */
+    /* A guard that begins at zero must have risen before it can fall. */
     if (at_low <= SLACK) {
         low = risen_before(r, c, k, kind, h, high, &at_low);
         if (low == 0.0)
@@ -149,7 +149,7 @@ static double lowest_of_guard(const runner *r, course *c, int64_t k, int kind, d
     double a = 1.0 - golden;
     double b = golden;
     double at_a = guard_at(r, c, k, kind, h, a);
-    double at_b = INFINITY; /* not asked where the earlier place fails already */
+    double at_b = INFINITY; /* not evaluated if the earlier one fails already */
     if (!(at_a < -SLACK))
         at_b = guard_at(r, c, k, kind, h, b);
     while (!(fmin(at_a, at_b) < -SLACK) && high - low > NARROW) {
@@ -174,8 +174,8 @@ static double lowest_of_guard(const runner *r, course *c, int64_t k, int kind, d
 }
 
 /* The first guard that fails within the step, as (fraction, pair, kind); 0 if none does, and then
- * c->next is the end of the step. Extrapolation, which claims round-off, sees those too that fail
- * for a while between the ends of the step. */
+ * c->next is the end of the step. With extrapolation, which claims round-off, guards that fail
+ * only between the ends of the step are found too. */
 static int locate(const runner *r, course *c, double h, double *fraction, int64_t *pair, int *kind)
 {
     int found = 0;
@@ -257,9 +257,11 @@ static void accept(const runner *r, course *c)
     }
 }
 
-/* Takes away what is left of a slip that has ended along its direction, by the impulse -u/(1/m_i +
- * l_i L_i/J_i + ..); its energy is lost: the impulse times the mean of the velocities U before and
- * after it. Sticking would keep it for ever. */
+/* Removes the residual slip u of a slip that has ended along its direction, by the impulse
+ *
+ *   P = -u/(1/m_i + l_i L_i/J_i + 1/m_j + l_j L_j/J_j),
+ *
+ * since sticking would preserve it. The energy lost is -P.(U_before + U_after)/2. */
 static void end_slip(const refdem_particles *p, int64_t k, double *restrict y)
 {
     contact m = measure(p, k, y);
@@ -282,8 +284,8 @@ static void change_mode(runner *r, course *c, int64_t k, int kind, double t)
     if (before >= SLIP && after == STICK && r->p->tangential_stiffness == 0.0)
         end_slip(r->p, k, c->y);
     contact m = measure(r->p, k, c->y);
-    /* The energy k d^2/2 that the spring still holds when the force ends is lost, until it presses
-     * again. */
+    /* The energy k d^2/2 of the normal spring counts as lost from the end of the force on, until
+     * the pair presses again. */
     double *work = c->y + work_at(r->p);
     if (after == PARTED)
         *work += 0.5 * r->p->stiffness * m.overlap * m.overlap;
@@ -324,9 +326,9 @@ static double converged_step(const runner *r, course *c, double piece, double h,
     }
 }
 
-/* One step of size h from time t, cut at events, and halved where extrapolation needs that. What
- * the shortest piece does not settle, no other will: the rest of the step is then taken as it
- * comes, for the checks to judge, and not in a million pieces. */
+/* One step of size h from time t, cut at events, and halved where extrapolation does not converge.
+ * If the shortest piece does not converge either, the rest of the step is taken without further
+ * halving, and the checks judge the result. */
 static void advance(runner *r, course *c, double t, double h)
 {
     double left = h;
@@ -383,7 +385,7 @@ static void record(const runner *r, const double *restrict y, double *restrict c
             channel[2] = m.force;
         if (p->tangential_stiffness == 0.0 || r->mode[k] < STICK) /* it has no spring */
             continue;
-        if (p->hertz) /* its spring keeps no account: see Contact */
+        if (p->hertz) /* the energy of its spring is not tracked: see Contact */
             continue;
         double stretch = m.limit / p->tangential_stiffness;
         if (r->mode[k] == STICK)

@@ -34,7 +34,7 @@ typedef struct {
     double velocity[3], slip[3]; /* v_i - v_j and u [m/s] */
     double glide[3];             /* U [m/s]: as u, at the levers of the torque */
     double overlap, rate, force; /* d [m], d' [m/s], F [N] */
-    double limit;                /* mu F [N]; below zero too: a step may look beyond a release */
+    double limit;                /* mu F [N]; negative too, as a step may go beyond a release */
     double arm_i, arm_j;         /* l_i, l_j [m]: of the slip */
     double torque_i, torque_j;   /* L_i, L_j [m]: of the torque */
 } contact;
@@ -174,7 +174,7 @@ static inline double slip_floor(const refdem_particles *p, const contact *m)
 static inline double tangential_mobility(const refdem_particles *p, const contact *m)
 {
     double mobility = p->inverse_mass[m->i] + m->arm_i * m->torque_i * p->inverse_inertia[m->i];
-    if (m->j < 0) /* a plane does not yield */
+    if (m->j < 0) /* a plane has infinite mass */
         return mobility;
     return mobility + p->inverse_mass[m->j] + m->arm_j * m->torque_j * p->inverse_inertia[m->j];
 }
@@ -194,6 +194,7 @@ static inline void sticking_force(const refdem_particles *p, const contact *m,
     double spin[3], spin_rate[3], normal_turn_slip[3], spin_rate_slip[3];
     double mobility = tangential_mobility(p, m);
     double lever_rate = -p->slip_shortening * m->rate; /* l' */
+    /* u' = a_i - a_j - d' n' + (l_i w_i + l_j w_j)' x n + (l_i w_i + l_j w_j) x n', in `force` */
     for (int c = 0; c < 3; c++) {
         spin[c] = m->arm_i * omega[3 * m->i + c];
         spin_rate[c] = m->arm_i * alpha[3 * m->i + c] + lever_rate * omega[3 * m->i + c];
@@ -353,6 +354,7 @@ static inline double add_normal_forces(const refdem_particles *p, const int64_t 
         if (mode[k] < FREE)
             continue;
         contact m = measure(p, k, y);
+        /* -F n on i, F n on j; the power of damping is c d'^2 */
         add_scaled(force + 3 * m.i, -m.force, m.n);
         if (m.j >= 0)
             add_scaled(force + 3 * m.j, m.force, m.n);
@@ -362,8 +364,8 @@ static inline double add_normal_forces(const refdem_particles *p, const int64_t 
 }
 
 /* Adds the accelerations by tangential forces f and the rates of their springs; returns the power
- * -f.U [W]. Accelerations in dy must be complete but for these: sticking without a spring asks for
- * them. */
+ * -f.U [W]. Accelerations in dy must be complete except for these, since sticking without a spring
+ * depends on them. */
 static inline double add_tangential_forces(const refdem_particles *p, const int64_t *restrict mode,
                                            const double *restrict y, double *restrict dy)
 {
@@ -415,6 +417,7 @@ static inline void rates(const refdem_particles *p, const int64_t *restrict mode
             memset(a + 3 * i, 0, 3 * sizeof *a);
             continue;
         }
+        /* x'' = F/m + g - gm x/|x|^3 */
         for (int c = 0; c < 3; c++)
             a[3 * i + c] = (a[3 * i + c] / p->mass[i] + p->gravity[c]) - cube * y[3 * i + c];
     }

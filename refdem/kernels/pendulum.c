@@ -131,6 +131,7 @@ static void prepare(pendulum *b, dd s, dd c, dd omega, dd w0)
         b->start = angle_of(s, c);
         return;
     }
+    /* P = theta'/(2 w0),  k^2 = S^2 + P^2,  rest = 1 - k^2 = C^2 - P^2 */
     dd p = dd_div(omega, dd_scale(w0, 2.0));
     dd square = dd_add(dd_square(sine), dd_square(p));
     dd rest = dd_sub(dd_square(cosine), dd_square(p));
@@ -184,6 +185,7 @@ static inline void angles_at(const pendulum *restrict b, double t0, int count,
         speed = p.cn;
         modulus = b->k;
     }
+    /* sin theta = 2 S C,  cos theta = C^2 - S^2,  theta' = 2 w0 P */
     double twice = 2.0 * b->sign;
     double rate = twice * b->w0 * b->k;
     for (int k = 0; k < count; k++) {
@@ -219,6 +221,7 @@ static inline void place(const run *restrict m, int count, const angles *restric
         velocity[3 * k + 1] = fma(speed_s, down[1], speed_c * across[1]);
         velocity[3 * k + 2] = fma(speed_s, down[2], speed_c * across[2]);
     }
+    /* m (l theta'^2 + g cos theta) */
     for (int k = 0; k < count; k++)
         force[k] = m->mass * fma(m->length * a->omega[k], a->omega[k], m->gravity * a->c[k]);
 }
@@ -274,8 +277,8 @@ int refdem_pendulum_prepare(double mass, double length, const double *gravity, c
     return 0;
 }
 
-/* The start itself, as it was given, wherever it is asked for among count samples; everywhere if
- * the point rests. */
+/* Writes the given start to those of count samples that are at t0; to all of them if the point is
+ * at rest. */
 static inline void restore_start(const run *m, int64_t first, int count)
 {
     int is_resting = m->b.kind == RESTING;

@@ -50,8 +50,8 @@ static inline void convert(int count, dd factor, double *restrict x)
         x[k] = fma(x[k], factor.hi, x[k] * factor.lo);
 }
 
-/* The drifts d_i (stages + 1) and kicks c_i h (stages) [s] of one step; `weight` holds the first
- * half of the c_i and the middle one. */
+/* The drifts d_i = (c_(i-1) + c_i) h/2 (stages + 1) and kicks c_i h (stages) [s] of one step;
+ * `weight` holds the first half of the c_i and the middle one. */
 static void set_stages(int stages, const double *weight, double h, double *restrict drift,
                        double *restrict kick)
 {

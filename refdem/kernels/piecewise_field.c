@@ -29,7 +29,7 @@ typedef struct {
     int next;         /* the region that follows */
 } phase;
 
-/* Outside the field it goes on for ever, or until it comes to the edge. */
+/* Free flight outside the field: without end, or until it reaches the edge, (edge - x)/v. */
 static phase free_flight(const tent *f, int region, double x, double v)
 {
     phase p = {.region = region, .x = x, .v = v, .lasts = INFINITY};
@@ -44,8 +44,9 @@ static phase free_flight(const tent *f, int region, double x, double v)
     return p;
 }
 
-/* Leaves at x = 0 where A exp(l t) + B exp(-l t) = -x1 = h, a quadratic equation in exp(lambda t),
- * or at x = x1 where exp(2 lambda t) = -B/A; with A = 0 it creeps towards x1 for ever. */
+/* Leaves at x = 0 (A > 0), where A exp(lambda t) + B exp(-lambda t) = -x1 = h, a quadratic equation
+ * in z = exp(lambda t) with z = (h + sqrt(h^2 - 4 A B))/(2 A), or at x = x1 (A < 0), where
+ * exp(2 lambda t) = -B/A. With A = 0 it approaches x1 without reaching it. */
 static phase rising(const tent *f, double x, double v)
 {
     double s = x - f->x1;

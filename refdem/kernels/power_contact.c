@@ -55,6 +55,7 @@ static double time_before_turn(const leg *l, double s)
 /* The leg of a law with the greatest overlap `depth` [m]. */
 static leg prepare(double mass, double stiffness, double exponent, double depth)
 {
+    /* v^2 = 2 k D^(n+1)/((n+1) m), and the time from touch to turn T(1) D/v. */
     leg l = {.a = 1.0 / (exponent + 1.0), .power = exponent + 1.0, .depth = depth};
     l.speed = sqrt(2.0 * stiffness / (l.power * mass) * pow(depth, l.power));
     l.unit = depth / l.speed;
@@ -82,8 +83,11 @@ static double time_of(const leg *l, double overlap, double rate)
            - l->unit * time_before_turn(l, rate / l->speed); /* from the turn, which is nearer */
 }
 
-/* Overlap and rate at the time `since` the touch, `left` before the turn [s]: Newton's rule on T(y)
- * = since v/D or U(s) = left v/D, until it no longer converges. */
+/* Overlap and rate at the time `since` the touch, `left` before the turn [s], by Newton's method
+ * until it no longer converges:
+ *
+ *   T(y) = since v/D:   d = D y,                    d' = v sqrt(1 - y^(n+1)),
+ *   U(s) = left v/D:    d = D (1 - s^2)^(1/(n+1)),  d' = v s. */
 static void state_at(const leg *l, double since, double left, double *restrict overlap,
                      double *restrict rate)
 {
@@ -94,6 +98,7 @@ static void state_at(const leg *l, double since, double left, double *restrict o
         for (int i = 0; i < TRIES && fabs(change) > 1e-17 * root; i++) {
             double z = pow(root, l->power);
             double before = fabs(change);
+            /* (since v/D - T(y))/(dT/dy) */
             change = (scaled_time - time_since_touch(l, root, z)) * sqrt(1.0 - z);
             if (i > 3 && fabs(change) >= before) /* all that is left is rounding */
                 break;
@@ -107,6 +112,7 @@ static void state_at(const leg *l, double since, double left, double *restrict o
     root = scaled_time;
     for (int i = 0; i < TRIES && fabs(change) > 1e-17 * fabs(root); i++) {
         double before = fabs(change);
+        /* (left v/D - U(s))/(dU/ds) */
         change = (scaled_time - time_before_turn(l, root)) * pow(1.0 - root * root, 1.0 - l->a)
                  / (2.0 * l->a);
         if (i > 3 && fabs(change) >= before)
@@ -157,7 +163,7 @@ int refdem_power_contact(double mass, const double *in, const double *out_law, d
             sign = -1.0;
         }
         double since = l->half - fabs(left);
-        if (!meets) { /* free flight for ever */
+        if (!meets) { /* free flight without end */
             out[0] = overlap + rate * t[row];
             out[1] = rate;
         } else if (since <= 0.0) { /* before the touch, or after the parting */

@@ -42,8 +42,8 @@ static dd from_centre(const power_law *b, double y)
     return dd_scale(hypergeometric(0.5, share, pow(fabs(y), b->p)), y);
 }
 
-/* s(w) = (2/p) w sum over i of (1 - 1/p)_i/i! w^(2i)/(2i + 1), by Euler's transformation; 1 - 1/p
- * is no double, so that the factors are made in double-double. */
+/* s(w) = (2/p) w sum over i of (1 - 1/p)_i/i! w^(2i)/(2i + 1), with (1/2)_i/(3/2)_i = 1/(2i + 1).
+ * 1 - 1/p is not a double, so that the factors are computed in double-double. */
 static dd from_turning(const power_law *b, double w)
 {
     dd share = dd_div(dd_of(b->p - 1.0), dd_of(b->p));
@@ -114,6 +114,7 @@ static power_law prepare(double mass, double stiffness, double exponent, double 
     if (v != 0.0)
         b.amplitude = size * pow(pow(x_part, b.p) + v_part * v_part, b.inverse_p);
     b.speed = speed * pow(b.amplitude, 0.5 * b.p);
+    /* u/A = sqrt(2 k/(m p)) A^((n-1)/2) */
     dd unit = dd_sqrt(dd_div(dd_of(2.0 * stiffness), dd_mul(dd_of(mass), dd_of(b.p))));
     b.rate = dd_scale(unit, pow(b.amplitude, 0.5 * (exponent - 1.0)));
     b.start = phase(&b, x / b.amplitude, -v / b.speed);
@@ -130,6 +131,7 @@ static void state_at(const power_law *b, dd since, double *restrict x, double *r
     double sign = 1.0;
     if (odd)
         sign = -1.0;
+    /* x = +-A y, v = -+u w, with y^p + w^2 = 1 */
     if (fabs(s.hi) <= b->turn) {
         w = turning_inverse(b, dd_round(s));
         y = pow(1.0 - w * w, b->inverse_p);

@@ -11,7 +11,8 @@
  *   hold rates    v -= M^-1 G(d)^T mu,  G(d) v = 0
  *
  * where lambda is found by Newton's rule to round-off, and mu by one linear solve. Positions and
- * velocities carry what their sums left over (Kahan), so that round-off does not pile up. The rod
+ * velocities carry the rounding errors of their sums (Kahan), so that round-off does not
+ * accumulate. The rod
  * force is the exact one of the sampled state, from d.d'' + d'.d' = 0:
  *
  *   G M^-1 G^T (T/l) = G a + |v_a - v_b|^2.
@@ -57,8 +58,8 @@ static double dot(const double *a, const double *b)
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 }
 
-/* The vectors d (rods, 3) of all rods, with what the sums left over, so that rods far from the
- * origin are held as well as near it. */
+/* The vectors d (rods, 3) of all rods, with the low parts of the positions, so that the lengths of
+ * rods far from the origin are as accurate as near it. */
 static void directions(const system_of_rods *s, const double *restrict x, double *restrict d)
 {
     static const double nothing[3] = {0.0, 0.0, 0.0};
@@ -104,7 +105,7 @@ static void accelerate(const system_of_rods *s, const double *restrict x)
         double d[3];
         difference(ends, s->spring_anchor + 3 * k, x, d);
         double pull = pull_per_length(law, sqrt(dot(d, d)));
-        /* a -= F d/(|d| m) at the first end, the reaction at the second. */
+        /* a_a -= F d/(|d| m_a), a_b += F d/(|d| m_b), with d from the second end b to the first. */
         double sense[2] = {pull, -pull};
         for (int end = 0; end < 2; end++) {
             if (ends[end] < 0) /* the world */
@@ -122,7 +123,7 @@ static double shared_inverse_mass(const system_of_rods *s, const int64_t *restri
 {
     double shared = 0.0;
     for (int p = 0; p < 2; p++) {
-        if (one[p] < 0) /* the world does not yield */
+        if (one[p] < 0) /* the world has infinite mass */
             continue;
         for (int q = 0; q < 2; q++) {
             if (one[p] != other[q])
@@ -160,8 +161,8 @@ static void swap(double *a, double *b)
 }
 
 /* Solves matrix solution = rhs by elimination with complete pivoting. Pivots below 1e-11 of the
- * largest belong to redundant rods, which carry nothing: rounding leaves 1e-16 times the condition
- * of the other rods there. `unknown`: which unknown the swapped columns belong to. */
+ * largest belong to redundant rods, whose multipliers are set to 0: rounding leaves there 1e-16
+ * times the condition number of the other rods. `unknown`: the unknown of each exchanged column. */
 static void solve(const system_of_rods *s)
 {
     const int64_t n = s->rods;
@@ -238,9 +239,9 @@ static void apply_multipliers(const system_of_rods *s, const double *restrict d,
     }
 }
 
-enum { MAX_SWEEPS = 60 }; /* Newton converges in a few; where it does not, never */
+enum { MAX_SWEEPS = 60 }; /* Newton's method needs a few, or does not converge at all */
 #define ROUND_OFF 2.3e-16 /* a relative error of a length that is one rounding */
-#define STALLED 1e-14     /* one that is no more than the roundings of a chain of rods */
+#define STALLED 1e-14     /* one within the accumulated roundings of a chain of rods */
 
 /* Newton's rule on the multipliers, G(d) M^-1 G(d0)^T lambda = (|d|^2 - l^2)/2, until the rods'
  * lengths are right to round-off. Returns 0, or 1 if they never are. */
@@ -259,19 +260,20 @@ static int hold_lengths(const system_of_rods *s, double h, double *restrict x, d
             if (!isfinite(distance)) /* it has diverged */
                 return 1;
         }
-        /* Done at round-off, or where a further sweep has only moved the roundings. */
+        /* Converged to round-off, or to where a further sweep no longer reduces the error. */
         if (worst <= ROUND_OFF || (worst < STALLED && worst >= worst_before))
             return 0;
         worst_before = worst;
         set_matrix(s, s->new, s->old);
         solve(s);
+        /* x -= M^-1 G(d0)^T lambda,  v -= 1/h M^-1 G(d0)^T lambda */
         apply_multipliers(s, s->old, 1.0, x, s->low_x);
         apply_multipliers(s, s->old, 1.0 / h, v, s->low_v);
     }
     return worst_before > STALLED;
 }
 
-/* Makes the relative velocity along every rod zero: G M^-1 G^T mu = G v. */
+/* Makes the relative velocity along every rod zero: G M^-1 G^T mu = G v, v -= M^-1 G^T mu. */
 static void hold_rates(const system_of_rods *s, const double *restrict x, double *restrict v)
 {
     directions(s, x, s->new);
@@ -363,7 +365,7 @@ int refdem_rattle(int64_t n, const double *mass, const double *gravity, int64_t 
     s.rhs = s.new + 3 * rods;
     s.solution = s.rhs + rods;
     s.matrix = s.solution + rods;
-    /* Nothing is lost yet: low_x and low_v stand side by side. */
+    /* The low parts are 0 at the start; low_x and low_v are adjacent. */
     memset(s.low_x, 0, (size_t)(6 * n) * sizeof(double));
     tension(&s, position, velocity, force);
     for (int64_t k = 1; k < samples; k++) {

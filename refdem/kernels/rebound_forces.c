@@ -13,9 +13,9 @@
  *   contact  (k o^e + damping o') d/|d|,   o = reach - |d| > 0, o' = -w.d/|d|
  *   drive    F cos(frequency t + phase) axis
  *   rod      -lambda d,   lambda = (w.w + d.(a_a - a_b))/(d.d (1/m_a + 1/m_b)),
- * from d.d'' + w.w = 0, divided by d.d, not by length^2: then d.d'' + w.w = 0 whatever the drift,
- * which grows as t and not exponentially. Bodies that turn: Euler's equations J w' = (J w) x w in
- * body axes and q' = q w/2.
+ * from d.d'' + w.w = 0, divided by d.d, not by length^2: then d.d'' + w.w = 0 holds for any drift
+ * of |d|, which therefore grows as t and not exponentially. Bodies that turn: Euler's equations J
+ * w' = (J w) x w in body axes and q' = q w/2.
  */
 #define _POSIX_C_SOURCE 200809L
 #include <assert.h>

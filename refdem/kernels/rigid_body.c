@@ -4,7 +4,7 @@
  *
  *   l' = l x w,   q' = q w/2,   w = J^-1 l.
  *
- * The splitting leaves out what commutes with all: with J_m the middle moment,
+ * The splitting separates a part that commutes with all others: with J_m the middle moment,
  *
  *   H = |l|^2/(2 J_m) + sum of l_i^2/2 (1/J_i - 1/J_m).
  *
@@ -22,8 +22,7 @@
 #include "kernels.h"
 #include "quaternion.h"
 
-/* Angular momentum l in body axes and the attitude q, each with the low parts that its sums left
- * over. */
+/* Angular momentum l in body axes and the attitude q, each with the rounding errors of its sums. */
 typedef struct {
     double l[3], l_low[3], q[4], q_low[4];
 } spinning;
@@ -44,6 +43,8 @@ static inline void turn_about(spinning *b, int i, double rate)
     int j = (i + 1) % 3;
     int k = (i + 2) % 3;
     double half = 0.5 * rate * b->l[i];
+    /* dl_j = sin(angle) l_k - (1 - cos(angle)) l_j,  dl_k = -sin(angle) l_j - (1 - cos(angle)) l_k,
+     * dq = q (c - 1, s e_i), with the unit vector e_i. */
     double s = sin(half);
     double c = cos(half);
     double c_minus_1 = c - 1.0;
@@ -147,8 +148,8 @@ static precession precession_of(const spinning *b, double middle)
     return p;
 }
 
-/* Writes the state at a sample, `since` the start: what is left of the outer turn, then the turn
- * about the angular momentum in space. */
+/* Writes the state at a sample, `since` the start: the remaining half of the outer turn, then the
+ * turn about the angular momentum in space, q = (cos a, sin a axis) q, a = rate since/2. */
 static void record(const spinning *now, int axis, double last_turn, const precession *p, dd since,
                    const double *restrict inertia, double *restrict attitude,
                    double *restrict omega)
@@ -194,7 +195,9 @@ int refdem_rigid_body_splitting(const double *inertia, const double *attitude, c
     return 0;
 }
 
-/* dy for y = (q, l): q' = q w/2, l' = l x w, w = per l with per = 1/J; w holds half of it. */
+/* dy for y = (q, l): q' = q w/2, l' = l x w, w = per l with per = 1/J. The variable w holds (0,
+ * w/2).
+ */
 static void rates(const double *restrict y, const double *restrict per, double *restrict dy)
 {
     const double *l = y + 4;

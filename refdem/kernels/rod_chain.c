@@ -100,9 +100,9 @@ static void expand_pivot(const chain *p, dd time, series *g, series *velocity)
     }
 }
 
-/* Sizes of angles, rates and work, with which their last coefficients decide the step. Angles alone
- * would not do: a pivot that shakes fast by a little moves them by a/l only, and its work goes at
- * twice its frequency. */
+/* Scales of angles, rates and work, relative to which their last coefficients determine the step.
+ * Angles alone would not suffice: a pivot of small amplitude a and high frequency moves them by
+ * only a/l, and its work oscillates at twice its frequency. */
 static void sizes(const chain *p, series *y, double *scale)
 {
     double rate = 0.0;

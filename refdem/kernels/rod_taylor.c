@@ -4,8 +4,8 @@
  *   r' = v,   v' = g - lambda r,   lambda = (v.v + g.r)/l^2 the multiplier,   tension m l lambda.
  * The rod does no work, (v.v)' = 2 g.v, so that lambda' = 3 g.v/l^2: one product a coefficient, and
  * no division by r.r, whose error would enter (Hairer, Lubich and Wanner, sec. IV.4). After
- * each step the state goes back to |r| = l, r.v = 0. Step: radius of convergence / e^2 (Jorba and
- * Zou, Exp. Math. 14 (2005) 99).
+ * each step the state is projected on |r| = l, r.v = 0. Step: STEP_PART times the radius of
+ * convergence, estimated from the last two coefficients (Jorba and Zou, Exp. Math. 14 (2005) 99).
  *
  * At small speeds an error e along the rod obeys e'' = -(lambda + g.r/l^2) e. Near the top it grows
  * as exp(t sqrt(2 g/l)) until the state is held again, and there the series converge far beyond
@@ -114,8 +114,8 @@ static inline void gained(const wide *restrict a, double time, wide *restrict ou
     *out = time * (time * even + odd);
 }
 
-/* Back to |r| = l and r.v = 0: r -= (r.r - l^2)/(2 l^2) r, v -= (r.v)/l^2 r, corrections that are
- * small. */
+/* Projects the state on |r| = l and r.v = 0, to first order in the errors: r -= (r.r - l^2)/(2 l^2)
+ * r, v -= (r.v)/l^2 r. */
 static inline void hold(hanging *m)
 {
     double square = m->length * m->length;

@@ -47,7 +47,7 @@ static inline void clear(running_product *g)
  * for 1 <= k < n, and a_n b_n to sum[2 n]. */
 static inline void take_in(running_product *restrict g, double a, double b, int n)
 {
-    int last = n - 1; /* of the coefficients known, those whose products are asked for */
+    int last = n - 1; /* the last k < n for which n + k is within the order */
     if (ORDER - n < last)
         last = ORDER - n;
     for (int k = 1; k <= last; k += LANES)
@@ -216,7 +216,7 @@ static inline double lower_bound(const double *restrict b, double w)
             sum[i] += term < 0.0 ? term : 0.0; /* a blend: a branch would not be a vector */
             power[i] *= fourth;
         }
-    double constant = 0.0; /* what begins at its zero, or below it by rounding */
+    double constant = 0.0; /* a series that begins at a zero, or below it by rounding */
     if (b[0] > 0.0)
         constant = b[0];
     return constant + ((sum[0] + sum[1]) + (sum[2] + sum[3]));
@@ -256,7 +256,7 @@ static inline double first_zero(const double *restrict a, double h)
             memcpy(shifted, a, sizeof shifted);
         if (lower_bound(shifted, width_now) > 0.0) /* no zero */
             continue;
-        /* One zero at most, or an interval too short to be told apart from a point. */
+        /* At most one zero, or an interval too short to be halved further. */
         if (slope_bound(shifted, width_now) <= 0.0 || width_now < 0x1p-45 * h) {
             if (value(a, low + width_now) <= 0.0)
                 return zero_between(a, low, low + width_now);

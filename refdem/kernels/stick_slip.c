@@ -63,8 +63,8 @@ static int64_t crossings(const belt *p, const motion *m, const segment *y, doubl
         largest_value += fabs(v[n]) * power;
     if (2.0 * fabs(v[0]) > largest_value) /* |v0| > sum of |v_n| h^n, n >= 1: there is no zero */
         return count;
-    /* A series that begins at a zero is divided by its power, so that the next zero is found: at
-     * the start only if v is 0 there, and always after a zero that was found. */
+    /* A series with a zero at its start is divided by that power of the time, so that the next zero
+     * is found: at the start of the segment if v = 0 there, and after each zero that was found. */
     int zeros = 0;
     if (v[0] == 0.0)
         zeros = 1;
@@ -91,9 +91,9 @@ static int64_t crossings(const belt *p, const motion *m, const segment *y, doubl
     return count;
 }
 
-/* Arguments as in kernels.h. The tangent is brought back to length 1 after every segment, and the
- * logarithms of its lengths are summed by blocks of the kept time (Benettin et al. 1980). A motion
- * that is no longer finite ends there. */
+/* Arguments as in kernels.h. The tangent is normalised after every segment, and the logarithms of
+ * its lengths are summed by blocks of the kept time (Benettin et al. 1980), so that the largest
+ * exponent is their sum divided by the time. A motion that is no longer finite ends there. */
 REFDEM_EVERY_CPU
 int refdem_stick_slip_section(const refdem_belt *p, int64_t n, const double *frequency,
                               double origin, double x0, double v0, int64_t skip, int64_t keep,

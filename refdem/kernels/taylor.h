@@ -4,8 +4,7 @@
  * The radius of convergence is estimated as rho = min over the last two orders k of
  * |y_k/scale|^(-1/k), and the step is rho/e^2, so that what is cut off is e^-(2 TERMS), below an
  * ulp. Samples inside a step come from its polynomial; the state is kept as hi + lo, so that
- * rounding does not pile up with the steps. A kernel gives the recurrence, `expand`; all else is
- * here.
+ * rounding errors do not accumulate. A kernel supplies the recurrence, `expand`.
  */
 #ifndef REFDEM_TAYLOR_H
 #define REFDEM_TAYLOR_H
@@ -34,7 +33,7 @@ static inline double cauchy(const double *a, const double *b, int n)
     return sum;
 }
 
-/* The same without its term a_0 b_n: what is left to solve a b = c for b_n, (c_n - rest)/a_0. */
+/* The same without its term a_0 b_n, so that a b = c has the solution b_n = (c_n - rest)/a_0. */
 static inline double cauchy_rest(const double *a, const double *b, int n)
 {
     double sum = 0.0;
@@ -56,7 +55,9 @@ static inline void sine_cosine(const double *angle, const double *rate, double *
     c[n] = -cauchy(rate, s, n - 1) / n;
 }
 
-/* The step rho/e^2 [s] of n series. */
+/* The step rho/e^2 [s] of n series, rho = min over k = TERMS - 1, TERMS of (max_i
+ * |y_k/scale|)^(-1/k).
+ */
 static inline double step_size(int n, series *y, const double *scale)
 {
     double radius = INFINITY;

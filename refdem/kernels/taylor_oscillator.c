@@ -47,8 +47,11 @@ static void expand_drives(const oscillator *p, dd t, double *restrict force)
     }
 }
 
-/* The series of the motion from (x, v) at t, and of the work: (n+1) v_(n+1) = (m g - pull - drag +
- * drive)_n / m, work' = (drag - drive) v. */
+/* The series of the motion from (x, v) at t, and of the work, with pull = k X + q X^2 + c X^3 and
+ * drag = (d + e (X + r)^2) v:
+ *
+ *   (n + 1) v_(n+1) = (m g - pull - drag + drive)_n/m,   (n + 1) work_(n+1) = ((drag - drive) v)_n.
+ */
 static void expand(const oscillator *p, dd t, double x, double v, series *restrict y)
 {
     double force[ORDER + 1], x_squared[ORDER + 1], distance_squared[ORDER + 1], distance[ORDER + 1],
@@ -158,7 +161,7 @@ int refdem_taylor_oscillator(const refdem_oscillator *p, double x0, double v0, d
     double direction = 1.0;
     if (span < 0.0) /* backwards */
         direction = -1.0;
-    if (span == 0.0) /* the start alone is asked for */
+    if (span == 0.0) /* only the start is requested */
         span = 1.0;
     double h = shortest_time(p, span);
     dd x = dd_of(x0);

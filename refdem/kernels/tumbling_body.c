@@ -13,8 +13,9 @@
  *   force    F = N n - friction N s/|s|
  *
  * It presses from gap = 0 to N = 0 (cutoff zero_force), and then idles until it leaves the plane
- * or presses again. The last coordinate is the work lost: damping c^2 + friction N |s| while it
- * presses, k gap c while it idles (what the spring gives back to nobody).
+ * or presses again. The last coordinate is the work lost, with the power damping c^2 + friction N
+ * |s| while it presses, and k gap c, the rate at which k gap^2/2 falls without a force, while it
+ * idles.
  *
  * Phases: begin, measure, expand, step_size, locate, record, accept, change_mode.
  */
@@ -32,8 +33,8 @@ typedef double line[ORDER + 1]; /* a Taylor series in the time since the start o
 /* exp(-2): the step over the radius of convergence, so that what is cut off is exp(-40) (Jorba and
  * Zou 2005). */
 static const double STEP_PART = 0.1353352832366127;
-/* Shortest step, over the interval of the samples: where a slip comes to an end, s/|s| turns ever
- * faster, and the steps shrink to nothing. */
+/* Shortest step, over the interval of the samples: where a slip ends, s/|s| has a singularity, and
+ * the steps tend to 0. */
 static const double SHORTEST = 1e-10;
 
 /* One corner: series of gap [m], N [N], c [m/s], |s|^2, 1/|s|, friction N/|s|, and of the vectors
@@ -71,7 +72,7 @@ static void expand_rotation(motion *m, int k)
     for (int i = 0; i < 3; i++) {
         int j = (i + 1) % 3;
         int l = (i + 2) % 3;
-        int lower = j + 1; /* w has its upper half only */
+        int lower = j + 1; /* qq has its upper half only */
         int upper = l + 1;
         if (j > l) {
             lower = l + 1;
@@ -158,7 +159,8 @@ static double measure(motion *m, int number, int k)
     return lost;
 }
 
-/* The start, and the modes of its corners: what is in the plane presses if it would push. */
+/* The start, and the modes of the corners: with gap <= 0 a corner presses if N > 0, else it idles.
+ */
 static void begin(motion *m, const double *start)
 {
     for (int i = 0; i < STATES; i++) {
