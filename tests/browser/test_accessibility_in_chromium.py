@@ -31,7 +31,7 @@ KINDS = (
     "bench/bench.html",
     "stress/stress.html",
 )
-POINT = stress.Point("mass", "mass ratio", 0, "10", "mujoco", "rk4", False, 0.5, "pass")
+MARK = stress.Mark("mass", "mass ratio", 0, "10", "mujoco", "rk4", False, 0.5, "pass")
 BROKEN_RULES = """
 async () => {
   const found = await axe.run(document, { resultTypes: ["violations"] });
@@ -50,7 +50,7 @@ def pages(folder, tmp_path_factory):
     )
     tables = [("Time", ("method", "to 1e-3"), [("mujoco rk4", "1 ms")])]
     bench.write(folder / "bench", "Bench", "What a run takes.", tables, [SECTION])
-    sections = [stress.Section("step-limit", "Step limit", "How long a step?", [POINT], tables)]
+    sections = [stress.Section("step-limit", "Step limit", "How long a step?", [MARK], tables)]
     stress.write(folder / "stress", "Stress", "What breaks.", [], sections)
     return folder
 
