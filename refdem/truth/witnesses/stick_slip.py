@@ -61,7 +61,7 @@ def moving(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claimed) 
 
 
 class Law:
-    """The equation x'' = gamma cos(eta t) - x - a mu(belt) - a mu(|u|) sgn u, u = v - belt."""
+    """x'' = gamma cos(eta t) - x - a mu(|belt|) - a mu(|u|) sgn u, u = v - belt."""
 
     def __init__(self, e: Mapping[str, arb], *, linear: bool) -> None:
         self.e = e
@@ -78,7 +78,7 @@ class Law:
         return falling + e["mu1"] + growing * e["lambda1"]
 
     def pull(self, t: Any, x: Any) -> Any:
-        """P = gamma cos(eta t) - x - a mu(belt)."""
+        """The pull P = gamma cos(eta t) - x - a mu(|belt|)."""
         e = self.e
         return (t * e["eta"]).cos() * e["gamma"] - x - e["a"] * self.coefficient(abs(e["belt"]))
 

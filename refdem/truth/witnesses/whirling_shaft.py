@@ -38,8 +38,8 @@ def values(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claimed) 
     solution = Solution(rates, start)
     yield None, {"growth_rate": growth_rate(mass, stiffness, outer, inner, turning)}
     if inner:
-        # On a circle of radius 1 at the rate w0 the outer dashpot dissipates the power c_e w0^2, and
-        # the inner one supplies c_i w0 (W - w0). Both are equal at W = w0 + c_e w0^2/(c_i w0).
+        # On a circle of radius 1 at the rate w0 the outer dashpot dissipates the power c_e w0^2,
+        # and the inner one supplies c_i w0 (W - w0). Both are equal at W = w0 + c_e w0/c_i.
         w0 = arb_of(stiffness / mass).sqrt()
         yield None, {"border": w0 + arb_of(outer) * w0 * w0 / (arb_of(inner) * w0)}
     for t in times:
