@@ -51,7 +51,7 @@ MOST_IMPACTS = 200
 time.
 """
 MOST_BITS = 2**12
-"""Bits with which the order of impacts is looked for before a case is run."""
+"""The largest precision [bit] at which the order of impacts is decided before a case is run."""
 IN_PLANE: tuple[int, ...] = (0, 1, 3, 4)
 """The indices of x, y, v_x, v_y in (r, v, omega), which plane impacts without friction change."""
 IN_PLANE_AND_SPIN = (*IN_PLANE, 8)
