@@ -1,13 +1,13 @@
-"""A particle in a force that rises from x1 to 0 and falls to x2 (1.139): phases in closed form,
-which one follows by exact energies.
+"""A particle in a force that increases linearly from x1 to 0 and decreases to x2 (1.139): phases in
+closed form; exact energies decide which phase follows.
 
 x1 < 0 < x2. Rising flank, x1 < x < 0: with xi = x - x1, xi'' = l^2 xi and l^2 = k1/m (`steep`).
 Falling flank, 0 < x < x2: with eta = x - x2, eta'' = -w^2 eta and w^2 = |k2|/m (`fall`), |k2| = k1
 |x1|/x2. Outside free flight.
 
-The energies v^2 - l^2 xi^2 and v^2 + w^2 eta^2 are constant on a flank, and rational: so whether it
-turns, and on which flank, is decided exactly. A phase begins at a rational place with a rational
-square of the velocity (`Start`).
+The energies v^2 - l^2 xi^2 and v^2 + w^2 eta^2 are constant on a flank, and rational. So it is
+decided exactly whether the particle turns, and on which flank. A phase begins at a rational
+position with a rational square of the velocity (`Start`).
 """
 
 from collections.abc import Iterator, Mapping
@@ -114,7 +114,7 @@ class AsymmetricField(ClosedForm):
         return "right"
 
     def end(self, region: str, start: Start) -> tuple[arb, str, Start] | None:
-        """The duration [s] of a phase and the region and start of the next; None if it lasts."""
+        """The duration [s] of a phase, and the region and start of the next; None without end."""
         x1 = self.x1
         x2 = self.x2
         speed = arb_of(start.square).sqrt()
@@ -133,10 +133,12 @@ class AsymmetricField(ClosedForm):
     def climbed(self, start: Start) -> tuple[arb, str, Start] | None:
         """The end of a phase on the rising flank, xi = A exp(l t) + B exp(-l t).
 
-        A, B = (xi0 +- v0/l)/2, and 4 A B = xi0^2 - v0^2/l^2. It leaves to the left at xi = 0, if
-        v^2 = v0^2 - l^2 xi0^2 > 0 there; at v = 0 it would take for ever. Else it comes to the top
-        xi = h = |x1|, at exp(l t) = (h + sqrt(h^2 - 4 A B))/(2 A).
+        A, B = (xi0 +- v0/l)/2, and 4 A B = xi0^2 - v0^2/l^2. With v0 < 0 it leaves to the left at
+        xi = 0 if v^2 = v0^2 - l^2 xi0^2 > 0 there; if that is 0, it approaches xi = 0 for all
+        times. Otherwise it reaches the top xi = h = |x1|, at exp(l t) = (h + sqrt(h^2 - 4 A
+        B))/(2 A).
         """
+        # A, B = (xi0 +- v0/l)/2
         xi = start.x - self.x1
         height = -self.x1
         l_rate = arb_of(self.steep).sqrt()
@@ -146,9 +148,11 @@ class AsymmetricField(ClosedForm):
         square_at_x1 = start.square - self.steep * xi * xi
         if start.sense < 0 and square_at_x1 == 0:
             return None
+        # xi = 0 at exp(2 l t) = -B/A.
         if start.sense < 0 and square_at_x1 > 0:
             next_start = Start(self.x1, square_at_x1, -1)
             return (-b / a).log() / (2 * l_rate), "left", next_start
+        # v^2 at the top: v0^2 + l^2 (h^2 - xi0^2).
         square_at_top = start.square + self.steep * (height * height - xi * xi)
         # sqrt(h^2 - 4 A B) is the velocity at the top over l.
         root = arb_of(square_at_top / self.steep).sqrt()
@@ -159,8 +163,9 @@ class AsymmetricField(ClosedForm):
         """The end of a phase on the falling flank, eta = R cos(w t + delta), pi/2 <= delta <= 3
         pi/2.
 
-        R^2 = eta0^2 + v0^2/w^2. Moving to the left it comes back over the top, eta = -x2, if R >
-        x2; else it leaves to the right at eta = 0, the phase being 3 pi/2. At rest at x2 it stays.
+        R^2 = eta0^2 + v0^2/w^2. With v0 < 0 it reaches the top, eta = -x2, if R > x2, at the phase
+        acos(-x2/R). Otherwise it leaves to the right at eta = 0, at the phase 3 pi/2. At rest at x2
+        it stays there.
         """
         eta = start.x - self.x2
         width = self.x2
@@ -180,11 +185,12 @@ class AsymmetricField(ClosedForm):
 
     def lag(self, eta: Fraction, start: Start) -> arb:
         """The phase delta at the start: eta = R cos(delta), v = -R w sin(delta)."""
+        # delta = pi + atan2(v/w, -eta), in [pi/2, 3 pi/2] since eta <= 0
         v_over_w = start.sense * arb_of(start.square / self.fall).sqrt()
         return arb.pi() + atan2(v_over_w, arb_of(-eta))
 
     def evaluate(self, t: arb) -> dict[str, arb]:
-        """x and v at time t; UndecidedError where balls cannot tell in which phase it lies."""
+        """x and v at time t; raises UndecidedError where the phase of t is not decided."""
         if t < 0:
             raise NotCertifiedError("asymmetric-field: t < 0 is before the start")
         for phase in self.phases():
@@ -231,7 +237,7 @@ class AsymmetricField(ClosedForm):
     def stretches(self) -> Iterator[Stretch]:
         """The stretches of time along which errors grow by a linear law: one a phase.
 
-        The force has no jump at an edge, and so errors have none.
+        The force is continuous at the edges, so that errors do not jump there.
         """
         ratio = arb_of(self.scale["x"] / self.scale["v"])
         # Slope of the force per mass and its sign, see line_growth.linear.

@@ -59,6 +59,8 @@ def real_roots(polynomial: fmpq_poly) -> list[arb]:
 
 def fold_squares(p: Parameters) -> tuple[arb, arb]:
     """The squares S of the amplitudes at the lower and the upper fold."""
+    # 16 delta^2 h^3 S^5 + 16 delta^2 h^2 alpha S^4 - 4 h^2 f0^2 S^3 + 8 delta^2 h f0^2 S^2
+    #     + f0^4 = 0
     values = numbers(p, "alpha", "beta", "delta", "f0")
     h = values["beta"] * Fraction(3, 4)
     force = values["f0"] * values["f0"]
@@ -82,7 +84,8 @@ def fold_squares(p: Parameters) -> tuple[arb, arb]:
     if h > 0:
         lower, upper = positive
     else:
-        # A resonance that leans to lower drives has its larger amplitudes there.
+        # The resonance of a softening spring bends to lower drives: the fold of the lower drive has
+        # the larger amplitude.
         upper, lower, _ = positive
         if not lower < tip_square(p):
             raise NotCertifiedError("the resonance has no two folds below its tip")
@@ -90,8 +93,10 @@ def fold_squares(p: Parameters) -> tuple[arb, arb]:
 
 
 def tip_square(p: Parameters) -> arb:
-    """The square S_t of the largest amplitude of the resonance of a spring that softens, where both
-    branches meet: 4 delta^2 (-h) S^2 - 4 delta^2 (alpha - delta^2) S + f0^2 = 0.
+    """The square S_t of the largest amplitude of the resonance of a softening spring.
+
+    Both branches meet there: 4 delta^2 (-h) S^2 - 4 delta^2 (alpha - delta^2) S + f0^2 = 0. The
+    smaller root is 2 c/(b + sqrt(b^2 - 4 a c)) of a S^2 - b S + c.
     """
     values = numbers(p, "alpha", "beta", "delta", "f0")
     force = plain(values["f0"]) ** 2
@@ -105,8 +110,9 @@ def tip_square(p: Parameters) -> arb:
 
 
 def moving_root(root: arb, coefficients: Sequence[Fraction]) -> arb:
-    """The simple root S of the polynomial P with these coefficients, lowest power first, with its
-    derivatives if the coefficients have some: dS = -sum dc_k S^k/P'(S).
+    """The simple root S of P = sum c_k S^k, with the derivatives that the coefficients c_k carry.
+
+    P(S) = 0 gives dS = -sum dc_k S^k/P'(S).
     """
     powers = [arb(1)]
     for _ in coefficients[1:]:
@@ -146,7 +152,7 @@ def drives(p: Parameters) -> list[arb]:
 
 
 def eta_of(v: arb) -> arb:
-    """The parameter eta = 1 + sqrt(1 - v) of the map with c = v/4."""
+    """The parameter eta = 1 + sqrt(1 - v) of the map with c = v/4, from v = 1 - (eta - 1)^2."""
     return 1 + (1 - v).sqrt()
 
 
@@ -161,17 +167,16 @@ def doublings() -> dict[str, list[arb]]:
 
 
 def two_cycle(p: Parameters) -> list[arb]:
-    """The iterates (eta + 1 +- sqrt((eta - 3)(eta + 1)))/(2 eta) between which the map
-    alternates.
-    """
+    """The cycle of two iterates, (eta + 1 +- sqrt((eta - 3)(eta + 1)))/(2 eta)."""
     eta = numbers(p, "eta")["eta"]
     root = arb_of((eta - 3) * (eta + 1)).sqrt()
     return [(arb_of(eta + 1) + sign * root) / arb_of(2 * eta) for sign in (1, -1)]
 
 
 def shares() -> dict[str, list[arb]]:
-    """The shares of the iterates at eta = 4 below x = sin^2(pi u/2), which are u: sin^2 is 1/4, 1/2
-    and 3/4 at 30, 45 and 60 degrees.
+    """The shares of the iterates at eta = 4 below 1/4, 1/2 and 3/4.
+
+    The share below x = sin^2(pi u/2) is u, and sin^2 is 1/4, 1/2, 3/4 at 30, 45 and 60 degrees.
     """
     return {
         "below-quarter": [arb_of(Fraction(1, 3))],

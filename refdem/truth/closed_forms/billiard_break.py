@@ -1,5 +1,5 @@
-"""Certified motion of a rack of discs or spheres that a cue ball breaks up: impact_sequence.py on
-the list of impacts_in_balls.py.
+"""Certified break of a rack of discs or spheres by a cue ball: impact_sequence.py with the list of
+impacts of impacts_in_balls.py.
 
 All centres stay in the plane z = 0 and all spins point along z. The apex of the rack is at the
 origin, n rows of 1, 2, ..., n balls follow along +x. With the pitch s = 2 R + gap of the balls of a
@@ -10,8 +10,8 @@ row, ball j of row k has its centre at
 7/8 is sqrt(3)/2 rounded up, so that all places are rational: neighbours of two rows are 0.8 %
 farther apart than those of one row.
 
-With d and w, the place and the velocity of one ball against another, and R, the sum of their radii,
-they come nearer while d.w < 0, and they meet at the first root of |d + w t| = R,
+With the relative position d, the relative velocity w and the sum R of the radii, two balls approach
+while d.w < 0, and they touch at the first root of |d + w t| = R,
 
     t = (d^2 - R^2)/(-d.w + sqrt(q))   with   q = (d.w)^2 - w^2 (d^2 - R^2) > 0,
 
@@ -47,13 +47,15 @@ WITNESS = (
     " pairs (refdem/truth/witnesses/breaks.py)"
 )
 MOST_IMPACTS = 200
-"""Impacts that are followed: balls that lose much meet without end in finite time."""
+"""The largest number of impacts: balls that lose much energy collide infinitely often in a finite
+time.
+"""
 MOST_BITS = 2**12
-"""Bits with which the order of impacts is looked for before a case is run."""
+"""The largest precision [bit] at which the order of impacts is decided before a case is run."""
 IN_PLANE: tuple[int, ...] = (0, 1, 3, 4)
-"""Of r, v and omega: the numbers that impacts in the plane change without friction."""
+"""The indices of x, y, v_x, v_y in (r, v, omega), which plane impacts without friction change."""
 IN_PLANE_AND_SPIN = (*IN_PLANE, 8)
-"""The same with friction."""
+"""The same with omega_z, which friction changes."""
 ROW_PITCH = Fraction(7, 8)
 """The distance of rows in pitches of the balls of a row: sqrt(3)/2 rounded up."""
 
@@ -65,13 +67,14 @@ class BallsMayMeet:
     reach: Fraction
 
     def time(self, states: Sequence[Motion]) -> arb | None:
-        """When they meet next [s]; None if they never do. GrazingError where balls do not tell."""
+        """The time until contact [s]; None if there is none. GrazingError where it is undecided."""
         first, second = states
         apart = difference(second.r, first.r)
         relative = difference(second.v, first.v)
         nearing = -dot(apart, relative)
         if sign(nearing) <= 0:
             return None
+        # q = (d.w)^2 - w^2 (d^2 - R^2),  t = (d^2 - R^2)/(-d.w + sqrt(q))
         reach = arb_of(self.reach)
         gap = dot(apart, apart) - reach * reach
         square = dot(relative, relative)
@@ -141,7 +144,7 @@ def start_of(p: Mapping[str, Any]) -> list[Fraction]:
     start: list[Fraction] = []
     for x, y in centres(p):
         start += [x, y, nothing, *velocity, nothing, nothing, nothing, spin]
-        # Only the cue ball moves.
+        # Only the cue ball moves at the start.
         velocity = (nothing, nothing)
         spin = nothing
     return start

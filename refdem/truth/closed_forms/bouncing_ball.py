@@ -1,18 +1,20 @@
 """Certified motion of a rigid sphere that falls and bounces on a plane: impact_sequence.py under
 uniform gravity.
 
-With the height h of the lowest point over the plane, the velocity u upwards and gravity g, the
-first impact comes at t_1 = (u + v_1)/g with v_1 = sqrt(u^2 + 2 g h). Every flight after it lasts 2
-v/g with the speed v that the impact before it left:
+With the height h of the lowest point above the plane, the upward velocity u and gravity g, the
+first impact is at t_1 = (u + v_1)/g with v_1 = sqrt(u^2 + 2 g h). Every later flight lasts 2 v/g
+with the speed v after the impact before it:
 
     v_n = e^(n-1) v_1 before impact n,   t_n = t_1 + (2 v_1/g) (e + e^2 + ... + e^(n-1)).
 
-All lie in the field of v_1, so that all decisions are exact. With e < 1 the impacts accumulate at
+All are numbers a + b v_1 with rational a and b, so that all decisions are exact. With e < 1 the
+impacts accumulate at
 
     T = t_1 + (2 v_1/g) e/(1 - e).
 
-The sphere moves in the plane x-y and turns about z, so that the slip lies along x, and friction is
-exact too. S grows without bound towards T: 1/v_n enters the derivative of the time of impact n.
+The sphere moves in the plane x-y and rotates about z, so that the slip is along x, and the impulse
+of friction is exact too. S grows without bound towards T: 1/v_n enters the derivative of the time
+of impact n.
 """
 
 from collections.abc import Mapping, Sequence
@@ -42,9 +44,9 @@ WITNESS = (
     " by elimination (refdem/truth/witnesses/bounces.py)"
 )
 MOST_BOUNCES = 64
-"""Bounces that are followed."""
+"""The largest number of bounces that are computed."""
 PLANE_MOTION = (0, 1, 3, 4, 8)
-"""Of r, v and omega: the numbers that a motion in the plane x-y changes."""
+"""The indices in (r, v, omega) of x, y, v_x, v_y and omega_z, which the motion changes."""
 
 
 @dataclass(frozen=True)
@@ -55,16 +57,16 @@ class MeetsFloor:
     gravity: Fraction
 
     def time(self, states: Sequence[Motion]) -> Number:
-        """When it touches the plane next [s]."""
+        """The time until the next impact on the plane [s]."""
         (sphere,) = states
         upwards: Number = sphere.v[1]
         height = sphere.r[1] - self.radius
         if sign(height) == 0:
-            # It has just left the plane, and comes back with the speed that it left with.
+            # A flight from the plane: u t - g t^2/2 = 0 at t = 2 u/g.
             return upwards * (2 / self.gravity)
         assert isinstance(upwards, Fraction)
         assert isinstance(height, Fraction)
-        # h + u t - g t^2/2 = 0.
+        # h + u t - g t^2/2 = 0 at t = u/g + (1/g) sqrt(u^2 + 2 g h).
         squared_speed = upwards**2 + 2 * self.gravity * height
         return surd(upwards / self.gravity, 1 / self.gravity, squared_speed)
 
@@ -121,6 +123,7 @@ def accumulation_time(impacts: Impacts, floor: MeetsFloor, restitution: Fraction
     assert first is not None
     falling: Number = -first.states[0].v[1]
     begin: Number = first.time
+    # T = t_1 + v_1 2 e/((1 - e) g)
     return begin + falling * (2 * restitution / ((1 - restitution) * floor.gravity))
 
 
@@ -164,15 +167,16 @@ def is_before_accumulation(p: Mapping[str, Any], t: Fraction) -> bool:
 def truth(p: Parameters, scale: Mapping[str, Size]) -> Truth:
     """The truth of case bouncing-ball; `scale` of x, y, vx, vy, omega, in order."""
     count = bounces_of_run(p)
-    # One bounce after the end of the run is the last one that S and samples may ask for.
+    # S and samples need at most one bounce after the end of the run.
     impacts = impact_list(p, count + 1)
     family = Bounces(floor_of(p), number(p, "restitution"), count)
     return ImpactSequence.of(scale, impacts, PLANE_MOTION, family)
 
 
 def bounces_of_run(p: Mapping[str, Any]) -> int:
-    """The number of bounces up to the duration that is given, or the number that is asked for; at
-    most MOST_BOUNCES.
+    """The number of bounces up to `duration` [s], at most MOST_BOUNCES.
+
+    It is the parameter `bounces` if there is no duration.
     """
     duration = p["duration"]
     if duration is None:

@@ -28,9 +28,7 @@ Start = tuple[Fraction, Fraction, Fraction, Fraction]
 
 @dataclass(frozen=True)
 class CapturedMass(ClosedForm):
-    """x, y, vx, vy from an exact start (x, y, vx, vy) that comes nearer to the hook at the
-    origin.
-    """
+    """x, y, vx, vy from an exact start (x, y, vx, vy) that approaches the hook at the origin."""
 
     method = (
         "straight line up to closest approach, circle after it: exact rationals, sine and cosine in"
@@ -76,9 +74,9 @@ class CapturedMass(ClosedForm):
         return arb_of(self.speed2 / self.spin)
 
     def evaluate(self, t: arb) -> dict[str, arb]:
-        """The state at time t; where a ball of times holds the capture, both motions together.
+        """The state at time t; where the ball t contains the capture, the union of both motions.
 
-        The state is continuous there: position and velocity are the same in both.
+        Position and velocity are continuous at the capture.
         """
         since = t - arb_of(self.caught)
         if since <= 0:
@@ -96,6 +94,7 @@ class CapturedMass(ClosedForm):
 
     def circle(self, since: arb) -> dict[str, arb]:
         """The state on the circle, `since` [s] after closest approach: r(t_c) and v0, turned."""
+        # r = Rot(omega s) r(t_c),  v = Rot(omega s) v0
         sine, cosine = (self.omega() * since).sin_cos()
         turned = []
         for a, b in (self.place, self.start[2:]):
@@ -110,8 +109,10 @@ class CapturedMass(ClosedForm):
         return CaptureGrowth(self, ratio, rate * ratio, upper(2 * arb.pi() / rate))
 
     def frame(self, since: arb) -> arb_mat:
-        """The matrix from errors outward and along the motion, `since` [s] after closest approach,
-        to those along the axes of space: of the position, and of the velocity.
+        """The matrix (4 x 4) from errors outward and along the motion to errors along x and y.
+
+        `since` [s] counts from closest approach. The blocks for position and velocity are the same:
+        their columns are the unit vectors outward, r/d, and along the motion.
         """
         angle = self.omega() * since
         x, y = (arb_of(value) for value in self.place)
@@ -159,7 +160,7 @@ class CaptureGrowth:
         """The bound S(t) >= 1 on the growth of an error."""
         caught = self.motion.caught
         if t <= caught:
-            # Errors of velocity become errors of position, most of all those of the start.
+            # An error of velocity made at the start grows to t V/X errors of position: 1 + t V/X.
             return bounded(float((1 + arb_of(t) / self.ratio).upper()))
         since = t - caught
         frame = self.motion.frame(arb_of(since))
@@ -199,9 +200,9 @@ class CaptureGrowth:
     def circle(self, t: arb) -> arb_mat:
         """What errors become on the circle in the time t [s].
 
-        An error rho outward is constant; sigma along the circle has the rate u - omega rho, u being
-        the error of the speed, which stays. The velocity outward that belongs to sigma is -omega
-        sigma: any other one the hook takes at once.
+        With the errors (rho, sigma) of the position outward and along the circle and u of the
+        speed: rho' = 0, sigma' = u - omega rho, u' = 0, and the error of the outward velocity is
+        -omega sigma. Its initial value has no effect, as the hook removes it at once.
         """
         scaled_t = t / self.ratio
         one = arb(1)
@@ -214,10 +215,9 @@ class CaptureGrowth:
 def grown(
     answers: Callable[[arb], arb_mat], middle: Fraction, half: Fraction
 ) -> tuple[list[arb], list[arb]]:
-    """The growth of each quantity for an error made at `middle` [s], and a bound of it for those
-    made at most `half` from there.
+    """The growth of each quantity for errors made at `middle`, and a bound within `half` of it [s].
 
-    Growth is the sum of |answer| over errors of one scale in every coordinate.
+    Growth is the sum of |answer| over unit errors of all coordinates.
     """
     times = arb_of(middle - half).union(arb_of(middle + half))
     return sums_of_rows(answers(arb_of(middle))), sums_of_rows(answers(times))

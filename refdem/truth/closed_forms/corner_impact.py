@@ -1,5 +1,5 @@
-"""Certified impact of a box's corner on a smooth plane: a straight line, one impulse, and a turn at
-a constant rate on a straight line.
+"""Certified impact of a box's corner on a smooth plane: uniform motion, one impulse, and uniform
+motion with a constant angular velocity.
 
 Notation: (x, y), (vx, vy) of the centre, theta the angle and omega the angular velocity. The lowest
 corner has the arm (p, -d) from the centre, d(theta) being (a sin theta + b cos theta)/2, and p =
@@ -33,7 +33,7 @@ from refdem.truth.growth import Grows, Growth, Norm, Stretch, between_scales, na
 from refdem.truth.refiner import Refiner
 
 X, Y, VX, VY, THETA, OMEGA = range(6)
-"""Where the coordinates are in the state."""
+"""Indices of the coordinates in the state."""
 AROUND = Fraction(1, 2**20)
 """Part of a time around it in which Newton's rule proves the one zero."""
 STEPS = 12
@@ -116,6 +116,7 @@ class CornerImpact(ClosedForm):
         time = self.impact_time()
         before = self.flown(self.starts(), time)
         p, d = self.body.arm(before[THETA])
+        # c = -(vy + omega p),  J = (1 + e) c/(1/m + p^2/I),  vy += J/m,  omega += p J/I
         closing = -(before[VY] + before[OMEGA] * p)
         if not closing > 0:
             raise UndecidedError("the corner does not come nearer to the plane", code="grazing")
@@ -130,9 +131,10 @@ class CornerImpact(ClosedForm):
         return 1 / arb_of(self.body.mass) + p * p / arb_of(self.body.inertia)
 
     def impact_time(self) -> arb:
-        """When y = d [s]: at once for a box that does not turn, by Newton's rule for one that does.
+        """The root t [s] of y = d: explicit for omega = 0, otherwise by interval Newton.
 
-        The gap has one zero in T, and that is in m - gap(m)/gap'(T), if this is inside T.
+        If m - gap(m)/gap'(T) lies inside the interval T, for a point m of T, then the gap y - d has
+        exactly one zero in T, and it lies in that image.
         """
         start = self.starts()
         _, d = self.body.arm(start[THETA])
@@ -151,6 +153,7 @@ class CornerImpact(ClosedForm):
 
     def newton(self, middle: arb, around: arb) -> arb:
         """m - gap(m)/gap'(T) [s], the gap being y - d."""
+        # gap = y - d and gap' = vy + omega p, as p = -d'(theta).
         start = self.starts()
         then = self.flown(start, middle)
         _, d = self.body.arm(then[THETA])
@@ -183,10 +186,11 @@ class CornerImpact(ClosedForm):
         _, y, _, rise, theta, omega = touch.after
         until = since
         if rise > 0:
-            # From here on the centre is above the reach of every corner.
+            # After this time y > R: no corner can reach the plane.
             until = since.min((radius - y) / rise)
         bend = radius * omega * omega / 2
-        # The corner that touched is at 0, and leaves with the restitution times c.
+        # Height of the corner that touched, over s: at least e c - R omega^2 s/2. Those of the
+        # others: at least y + z + (vy + omega q) s - R omega^2 s^2/2.
         slack = [arb_of(self.body.restitution) * touch.closing - bend * until]
         for q, z in self.body.corners(theta):
             slack.append(y + z + (rise + omega * q) * until - bend * until * until)

@@ -1,14 +1,15 @@
-"""The mass on a spring that rubs on its ground: m x'' + f Sgn(x') + k x = 0.
+"""A mass on a spring with dry friction: m x'' + f Sgn(x') + k x = 0.
 
 While it slides, x(t) = c + (X - c) cos(w (t - T)) from the turning point X at T, about c = -f/k
-where v > 0 and f/k where v < 0; X maps to 2c - X, half a period pi/w later. It stops for ever at
-the first turning point with k|X| <= f (closed: Sgn(0) = [-1, 1]). Started at rest, all turning
-points are rational. In the code `shift` is f/k and `heading` the sign of v.
+where v > 0 and f/k where v < 0; the next turning point is 2c - X, half a period pi/w later. The
+mass stops at the first turning point with k|X| <= f (the set-valued Sgn(0) = [-1, 1] includes
+equality). From a start at rest all turning points are rational. In the code `shift` is f/k and
+`heading` the sign of v.
 
 S(t) needs no differences. For two motions, d/dt (k dx^2 + m dv^2)/2 = -dv (f Sgn(v1) - f Sgn(v2))
-<= 0, since Sgn is monotone: the flow never stretches in the energy norm, through turning points and
-stops alike. With scales L and V the scaled Jacobian is D^-1 N D, |N| <= 1, D = diag(w L, V), so
-that its largest row sum is at most sqrt(1 + max(w L/V, V/(w L))^2).
+<= 0, since Sgn is monotone: the flow is nonexpansive in the energy norm, also through turning
+points and stops. With scales L and V the scaled Jacobian is D^-1 N D, |N| <= 1, D = diag(w L, V),
+so that its largest row sum is at most sqrt(1 + max(w L/V, V/(w L))^2).
 """
 
 from collections.abc import Mapping
@@ -75,13 +76,14 @@ class CoulombOscillator(ClosedForm):
             )
         if self.shift and t >= self.turning_time(self.halves()):
             return {"x": _ball(self.turning_point(self.halves())), "v": arb(0)}
-        # Before the first turning point it moves as it started, after each one away from it.
+        # Before the first turning point v has the sign of v0, after turning point X that of -X.
         if t < self.turning_time(0):
             number = 0
             heading = _sign(self.v0)
         else:
             number = self._halves_until(t)
             heading = -_sign(self.turning_point(number))
+        # c = -heading f/k,  x = c + (X - c) cos(w (t - T)),  v = -(X - c) w sin(w (t - T))
         w = self.rate()
         turning_point = _ball(self.turning_point(number))
         centre = -heading * arb_of(self.shift)
@@ -112,6 +114,7 @@ class CoulombOscillator(ClosedForm):
         About c = -heading f/k the motion has the amplitude sqrt(a^2 + (v0/w)^2), a = x0 - c, and
         turns after the phase atan2(|v0|/w, heading a).
         """
+        # X0 = c + heading sqrt(a^2 + (v0/w)^2),  w T0 = atan2(|v0|/w, heading a)
         if self.v0 == 0:
             return arb(0), self.x0
         if self.v0 > 0:
@@ -159,7 +162,7 @@ class CoulombOscillator(ClosedForm):
         return max(0, int(least))
 
     def _halves_until(self, t: arb) -> int:
-        """The number of half cycles that are over at t; UndecidedError if balls cannot tell."""
+        """The number of completed half cycles at t; raises UndecidedError if it is not decided."""
         number = ((t - self.turning_time(0)) * self.rate() / arb.pi()).floor().unique_fmpz()
         if number is None:
             raise UndecidedError("which half cycle it is in")
@@ -167,14 +170,14 @@ class CoulombOscillator(ClosedForm):
 
 
 def _ball(value: Fraction | arb) -> arb:
-    """A ball of a number that may be one already."""
+    """The number as an Arb ball."""
     if isinstance(value, arb):
         return value
     return arb_of(value)
 
 
 def _sign(value: Fraction | arb) -> int:
-    """-1, 0 or 1; UndecidedError where a ball holds both signs."""
+    """The sign -1, 0 or 1; raises UndecidedError where the ball contains both signs."""
     if not (value > 0 or value < 0 or value == 0):
         raise UndecidedError("on which side it turns")
     if value > 0:

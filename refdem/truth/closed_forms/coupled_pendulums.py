@@ -45,6 +45,7 @@ def field(p: Parameters) -> Field:
         # D = (d + l2 sin th2 - l1 sin th1, l1 cos th1 - l2 cos th2).
         spring_x = sin_2 * l2 - sin_1 * l1 + distance
         spring_y = cos_1 * l1 - cos_2 * l2
+        # D . t1 and D . t2 with t = (cos th, sin th).
         along_1 = spring_x * cos_1 + spring_y * sin_1
         along_2 = spring_x * cos_2 + spring_y * sin_2
         if not stays_zero(spring_length):

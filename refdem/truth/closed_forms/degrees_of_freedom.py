@@ -1,5 +1,5 @@
-"""Degrees of freedom by ranks in rational arithmetic: of rods at first order, of points for finite
-motions.
+"""Degrees of freedom by ranks in rational arithmetic: of points with rods to first order, and of
+points as a rigid body for finite motions.
 """
 
 from collections.abc import Mapping, Sequence
@@ -26,7 +26,7 @@ def rank(rows: Sequence[Sequence[Fraction]]) -> int:
 
 
 def first_order(points: Sequence[Point], rods: Sequence[tuple[int, int]]) -> int:
-    """Degrees of freedom to first order: coordinates less the rank of the rods' constraints.
+    """Degrees of freedom to first order: coordinates minus the rank of the rods' constraints.
 
     The constraint of a rod is the derivative of |r_a - r_b|^2/2 by all coordinates: r_a - r_b in
     the columns of point a, its opposite in those of point b.
@@ -46,8 +46,9 @@ def first_order(points: Sequence[Point], rods: Sequence[tuple[int, int]]) -> int
 def finite(points: Sequence[Point]) -> int:
     """Degrees of freedom of the points as a rigid body: translations, and turns that move a point.
 
-    A turn about an axis that all points lie on moves none, so that the number of turns depends on
-    the dimension of space and on that which the points span.
+    A rotation about an axis through all points moves none of them. So the number of rotations
+    depends on the dimension of space and on the dimension that the points span: `turns` has it by
+    (dimension, span).
     """
     dimension = len(points[0])
     span = rank([[x - y for x, y in zip(point, points[0], strict=True)] for point in points])

@@ -1,9 +1,9 @@
 """Certified dissipating body: validated integration of J omega' = (J omega) x omega + c (J omega) x
 ((J omega) x omega).
 
-The axis about which it ends: at |L| = const the energy falls; once it is below that of a turn about
-the middle axis, L^2/(2 J2), only the axis of largest inertia is left. A start exactly about an axis
-stays there.
+The final axis of rotation: |L| is constant and the energy decreases. Once the energy is below that
+of the rotation about the middle axis, L^2/(2 J2), the rotation about the axis of the largest moment
+is the only possible limit. A rotation exactly about a principal axis is stationary.
 """
 
 from collections.abc import Mapping, Sequence
@@ -22,7 +22,7 @@ from refdem.truth.validated_flow import ValidatedFlow
 from refdem.truth.vectors import cross
 
 DOUBLINGS = 12
-"""How often the time is doubled until the energy has fallen far enough: the damping may be weak."""
+"""How often the time is doubled in the search for a low enough energy: the damping may be weak."""
 NAMES = ("omega_body.x", "omega_body.y", "omega_body.z")
 
 
@@ -35,11 +35,11 @@ WITNESS = (
 def final_axis(
     omega: Sequence[Fraction], inertia: Sequence[Fraction], damping: Fraction, flow: ValidatedFlow
 ) -> dict[str, arb]:
-    """The scalar `final_axis`, the principal axis (1, 2 or 3) about which the body ends.
+    """The scalar `final_axis`: the principal axis (1, 2 or 3) of the rotation for t to infinity.
 
-    A start exactly about an axis stays there. Else it is the axis of the largest moment as soon as
-    2 E < L^2/J_middle, which is looked for at times that are doubled. There is no such scalar where
-    that is not proved.
+    It is the axis of a start exactly about a principal axis. Otherwise it is the axis of the
+    largest moment, if 2 E < L^2/J_middle is proved at one of the times t, 2 t, 4 t, ...; if not,
+    there is no such scalar.
     """
     started_about = [i for i in range(3) if omega[i]]
     if len(started_about) == 1:
@@ -71,6 +71,7 @@ def field(inertia: Sequence[Fraction], damping: Fraction) -> Field:
     """The field of omega_body: J omega' = L x omega + c L x (L x omega) with L = J omega."""
 
     def rates(omega: Sequence[Any]) -> Sequence[Any]:
+        # J omega' = L x omega + c L x (L x omega)
         momentum = [w * j for w, j in zip(omega, inertia, strict=True)]
         gyroscopic = cross(momentum, omega)
         dissipative = cross(momentum, gyroscopic)

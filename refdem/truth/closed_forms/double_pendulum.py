@@ -40,6 +40,7 @@ def field(p: Parameters) -> Field:
         centripetal1 = rate1 * rate1 * l1
         centripetal2 = rate2 * rate2 * l2
         n = sin_d * sin_d * m2 + m1
+        # N l1 th1'' = right1 and N l2 th2'' = right2, the right-hand sides at the top of this file.
         right1 = (
             sin_2 * cos_d * g - sin_d * (centripetal2 + centripetal1 * cos_d)
         ) * m2 - sin_1 * (total_mass * g)

@@ -66,11 +66,12 @@ class DrivenOscillator(ClosedForm):
 
     @property
     def resounds(self) -> bool:
-        """Undamped and driven at w0: the amplitude grows for ever."""
+        """True if undamped and driven at w = w0, where the amplitude grows without bound."""
         return self.delta == 0 and self.drive**2 == self.square
 
     def free(self, x0: arb, v0: arb, t: arb) -> tuple[arb, arb]:
         """X and V at time t of the free motion about the equilibrium from X0, V0."""
+        # X = X0 (C + delta S) + V0 S,  V = V0 (C - delta S) - w0^2 X0 S
         delta = arb_of(self.delta)
         decay = (-arb_of(self.delta) * t).exp()
         d = arb_of(abs(self.gap)).sqrt()
@@ -100,6 +101,7 @@ class DrivenOscillator(ClosedForm):
         sine, cosine = (w * t).sin_cos()
         if self.f0 == 0:
             return arb(0), arb(0)
+        # x = f0 t sin(w0 t)/(2 w0),  v = f0 (sin w0 t + w0 t cos w0 t)/(2 w0)
         if self.resounds:
             return f0 * t * sine / (2 * w), f0 * (sine + w * t * cosine) / (2 * w)
         a = arb_of(self.square - self.drive**2)
@@ -110,7 +112,7 @@ class DrivenOscillator(ClosedForm):
         return x, v
 
     def evaluate(self, t: arb) -> dict[str, arb]:
-        """x = c + X + steady motion; X starts with what the steady motion leaves of x0 and v0."""
+        """x = c + X + x_s with the steady motion x_s; X0 = x0 - c - x_s(0), V0 = v0 - v_s(0)."""
         centre = arb_of(self.centre)
         x_first, v_first = self.steady(arb(0))
         x_steady, v_steady = self.steady(t)

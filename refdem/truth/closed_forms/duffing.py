@@ -111,7 +111,7 @@ class Duffing(ClosedForm):
         )
 
     def _equilibrium(self) -> DuffingMotion:
-        """The motion x = A for ever, of an equilibrium."""
+        """The constant motion x = A of an equilibrium."""
         return DuffingMotion(lambda u: (arb(1), arb(0)), arb(0), None)
 
     def _linear_motion(self) -> DuffingMotion:
@@ -121,7 +121,7 @@ class Duffing(ClosedForm):
         if self.alpha > 0:
             rate = arb_of(self.alpha).sqrt()
             return DuffingMotion(lambda u: (u.cos(), -u.sin()), rate, 2 * arb.pi() / rate)
-        # It grows for ever and is never infinite.
+        # It grows without bound, and is finite at all times.
         return DuffingMotion(lambda u: (u.cosh(), u.sinh()), arb_of(-self.alpha).sqrt(), None)
 
     def _bounded_motion(self) -> DuffingMotion:

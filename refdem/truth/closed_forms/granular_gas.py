@@ -1,5 +1,5 @@
-"""The time of Haff's law (Haff 1983, J. Fluid Mech. 134): energy lost in a collision times how
-often two hard spheres meet.
+"""The time tau of Haff's law (Haff 1983, J. Fluid Mech. 134) from the collision frequency of hard
+spheres and the energy lost in a collision.
 """
 
 from collections.abc import Mapping
@@ -78,6 +78,7 @@ def collision_frequency(diameter: Fraction, density: Fraction, t0: Fraction) -> 
     chi = (1 - phi/2)/(1 - phi)^3 is the contact value of the pair distribution (Carnahan and
     Starling), phi = pi n sigma^3/6 the packing fraction.
     """
+    # phi = pi n sigma^3/6,  chi = (1 - phi/2)/(1 - phi)^3
     packing = arb.pi() * arb_of(density * diameter**3 / 6)
     chi = (1 - packing / 2) / (1 - packing) ** 3
     return 4 * arb.pi().sqrt() * arb_of(density * diameter**2) * arb_of(t0 / MASS).sqrt() * chi
@@ -85,6 +86,7 @@ def collision_frequency(diameter: Fraction, density: Fraction, t0: Fraction) -> 
 
 def haff_time(*, diameter: Fraction, density: Fraction, restitution: Fraction, t0: Fraction) -> arb:
     """Haff's time tau = 2 D/((1 - e^2) w_c) [s] in D dimensions."""
+    # tau = 2 D/((1 - e^2) w_c)
     frequency = collision_frequency(diameter, density, t0)
     return arb_of(2 * DIMENSIONS / (1 - restitution**2)) / frequency
 

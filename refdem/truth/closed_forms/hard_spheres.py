@@ -1,5 +1,5 @@
-"""Certified impact of two rigid spheres that start apart: rigid_collision.py with the quadratic of
-their meeting.
+"""Certified impact of two rigid spheres that start apart: rigid_collision.py with the time of
+contact from a quadratic equation.
 
 With d = r2 - r1 and w = v2 - v1 at the start they meet at the first root of |d + w t| = R1 + R2,
 t = (-d.w - sqrt(q))/w^2 with q = (d.w)^2 - w^2 (d^2 - (R1 + R2)^2).
@@ -27,12 +27,13 @@ class SpheresMeet:
     reach: Fraction
 
     def time(self, states: Sequence[Motion]) -> Surd | None:
-        """When they meet [s]; UndecidedError if they pass each other, graze, or start in touch."""
+        """The time of contact [s]; UndecidedError if the spheres miss or graze each other."""
         first, second = states
         apart = difference(second.r, first.r)
         relative = difference(second.v, first.v)
         a = dot(relative, relative)
         b = dot(apart, relative)
+        # a = w^2, b = d.w, q = b^2 - a (d^2 - (R1 + R2)^2);  t = (-b - sqrt(q))/a
         q = b * b - a * (dot(apart, apart) - self.reach**2)
         if q <= 0 or b >= 0:
             raise UndecidedError("the spheres do not meet, or only graze", code="grazing")
@@ -56,8 +57,9 @@ def difference(a: Sequence[Any], b: Sequence[Any]) -> list[Any]:
 def start_of(p: Mapping[str, Any]) -> list[Fraction]:
     """r, v, omega of both spheres at the start, exactly.
 
-    The centre of mass rests at the origin. The second centre is `distance` sums of radii ahead of
-    the first along x, and `offset` sums of radii beside its path along y and z.
+    The centre of mass is at rest at the origin. r2 - r1 = (R1 + R2) (distance, offset), and the
+    relative velocity v1 - v2 is the closing speed along x; r1 = -(m2/M)(r2 - r1), r2 = (m1/M)(r2 -
+    r1), and the velocities alike.
     """
     masses = vector(p, "masses")
     radii = vector(p, "radii")

@@ -1,9 +1,9 @@
-"""Certified impact of a rigid sphere on a wall: rigid_collision.py with the straight line to the
+"""Certified impact of a rigid sphere on a wall: rigid_collision.py with a uniform motion up to the
 wall.
 
-The wall passes through the origin with a normal N of any length towards the sphere. The sphere
-touches it where r.N = R |N|, at t = (R |N| - r.N)/(v.N), and the unit normal is N |N|/N^2: both lie
-in the field of |N| = sqrt(N^2).
+The wall passes through the origin; its normal N, of any length, points towards the sphere. The
+sphere touches it where r.N = R |N|, at t = (R |N| - r.N)/(v.N), and the unit normal is N |N|/N^2.
+Both are numbers a + b sqrt(N^2) with rational a and b.
 """
 
 from collections.abc import Mapping, Sequence
@@ -30,17 +30,19 @@ class MeetsWall:
     radius: Fraction
 
     def time(self, states: Sequence[Motion]) -> Surd | None:
-        """When it touches the wall [s]; UndecidedError if it does not come nearer."""
+        """The time of contact [s]; UndecidedError if the sphere does not approach the wall."""
         (sphere,) = states
         approach = dot(sphere.v, self.normal_vector)
         if approach >= 0:
             raise UndecidedError("the sphere does not come nearer to the wall", code="grazing")
+        # t = -(r.N)/(v.N) + R/(v.N) sqrt(N^2)
         height = dot(sphere.r, self.normal_vector)
         squared = dot(self.normal_vector, self.normal_vector)
         return surd(-height / approach, self.radius / approach, squared)
 
     def normal(self, places: Sequence[Sequence[Any]]) -> list[Any]:
         """The unit vector (3,) into the wall, in exact numbers or balls."""
+        # -N |N|/N^2 = -(N/N^2) sqrt(N^2)
         squared = dot(self.normal_vector, self.normal_vector)
         unit = [surd(Fraction(0), -x / squared, squared) for x in self.normal_vector]
         if isinstance(places[0][0], Surd):

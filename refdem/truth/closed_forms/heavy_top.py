@@ -38,20 +38,20 @@ from refdem.truth.traced_field import Field
 from refdem.truth.validated_flow import Reading, ValidatedFlow
 
 UPRIGHT = 0.995
-"""Cosine of the tilt from a vertical below which `by_axis` takes the place of `by_angles`."""
+"""Where |cos theta| may reach this value, `by_axis` is used in place of `by_angles`."""
 LEAST_TILT = Fraction(1, 100)
 """Least tilt [rad] from a vertical of a motion that is integrated in Euler's angles."""
 LEAST_TOLD = Fraction(1, 10**12)
-"""The same [rad] where n and L are integrated: they need no angles, but the quantities are angles,
-which the vertical itself does not have.
+"""The same [rad] where n and L are integrated. These are regular on the vertical, but the reported
+angles phi and psi are not defined there.
 """
 DOUBLINGS = 6
 """How many times the working precision is doubled in the attempt to separate the roots of f."""
 SEEN = ("theta", "phi", "psi", "thetadot")
 STATE = (*SEEN, "lz", "w3")
 CARTESIAN = ("n.x", "n.y", "n.z", "L.x", "L.y", "L.z", "psi+phi")
-"""The state of `by_axis`. The last is psi + side phi: near the upper vertical (side = 1) only the
-sum of the two angles has a meaning, near the lower one (side = -1) only their difference.
+"""The state of `by_axis`. The last is psi + side phi: on the upper vertical (side = 1) only the sum
+of the two angles is defined, on the lower one (side = -1) only their difference.
 """
 
 WITNESS = (
@@ -72,7 +72,8 @@ class Nutation:
         self.closest = closest
 
     def vertical(self) -> arb:
-        """The conserved vertical angular momentum L_z = J1 phi' sin^2 theta + J3 w3 cos theta."""
+        """The conserved vertical angular momentum L_z [kg m^2/s]."""
+        # L_z = J1 phi' sin^2 theta + J3 w3 cos theta
         p = self.p
         sine, cosine = arb_of(p["theta0"]).sin_cos()
         of_precession = arb_of(p["j1"] * p["phidot0"]) * sine * sine
@@ -82,6 +83,7 @@ class Nutation:
     @cached_property
     def touches(self) -> bool:
         """True if it is not proved that the axis stays `closest` away from both verticals."""
+        # theta stays in (closest, pi - closest) if u2 < cos(closest) and u1 > -cos(closest).
         with self.parted_roots() as (u1, u2, _):
             limit = arb_of(self.closest).cos()
             is_proved_off = u2 < limit and u1 > -limit
@@ -105,7 +107,7 @@ class Nutation:
         )
 
     def poles(self) -> list[int]:
-        """The verticals that the axis comes near to, within UPRIGHT: 1 up, -1 down, or both."""
+        """The verticals that the axis may approach beyond UPRIGHT: 1 up, -1 down, both, or none."""
         near_poles = []
         with self.parted_roots() as (u1, u2, _):
             if not u2 < UPRIGHT:
@@ -116,7 +118,7 @@ class Nutation:
 
     @contextmanager
     def parted_roots(self) -> Iterator[list[arb]]:
-        """The roots u1 <= u2 <= u3 at the first precision that tells them apart.
+        """The roots u1 <= u2 <= u3 at the first precision at which they are separated.
 
         That precision is the working precision inside the `with` statement. Raises
         NotCertifiedError if no precision up to DOUBLINGS doublings suffices.
@@ -138,10 +140,12 @@ class Nutation:
     def roots(self) -> list[arb]:
         """The roots u1 <= u2 <= u3 of f at the current precision.
 
-        ValueError (UndecidedError is one) where this precision does not tell them apart.
+        Raises ValueError (UndecidedError is one) where this precision does not separate them.
         """
         p = self.p
         sine, u0 = arb_of(p["theta0"]).sin_cos()
+        # beta = 2 m g l/J1,  a = J3 w3/J1,  b = L_z/J1,
+        # alpha = theta'^2 + phi'^2 sin^2 theta + beta cos theta at the start
         beta = arb_of(2 * p["mass"] * p["gravity"] * p["length"] / p["j1"])
         a = arb_of(p["j3"] * p["spin"] / p["j1"])
         b = self.vertical() / arb_of(p["j1"])
@@ -152,8 +156,8 @@ class Nutation:
         cubic = [alpha - b * b, 2 * a * b - beta, -(alpha + a * a), beta]
         if p["thetadot0"] == 0:
             return _other_roots(cubic, u0)
-        # A tolerance is absolute and u3 may be large: a third of the bits is for its size.
-        # ValueError: more precision is tried.
+        # The tolerance is absolute and u3 may be large: a third of the bits is left for its size.
+        # On a ValueError of the root finder the caller doubles the precision.
         tolerance = arb(2) ** (-2 * ctx.prec // 3)
         complex_roots: Any = acb_poly([acb(c) for c in cubic]).roots(tol=tolerance)
         real_roots = [root.real for root in complex_roots if root.imag.contains(0)]
@@ -178,6 +182,9 @@ def _other_roots(cubic: Sequence[arb], u0: arb) -> list[arb]:
     beta u^2 + linear u + constant, whose larger root is u3. The smaller one comes from the
     product of both, constant/beta, so that no digits cancel where it is small.
     """
+    # Synthetic division of c3 u^3 + c2 u^2 + c1 u + c0 by (u - u0):
+    #     linear = c2 + c3 u0,  constant = c1 + linear u0.
+    # u3 = (sqrt(linear^2 - 4 beta constant) - linear)/(2 beta), the other root constant/(beta u3).
     beta = cubic[3]
     linear = cubic[2] + beta * u0
     constant = cubic[1] + linear * u0
@@ -192,8 +199,8 @@ def by_angles(
 ) -> ValidatedFlow:
     """The truth by validated integration of theta, phi, psi (continuous) and thetadot.
 
-    L_z and w3 are constant states: so S counts errors that are made in them, too. `scale` has the
-    size of every quantity and of `lz` and `w3`.
+    L_z and w3 are state variables with the rate 0, so that S includes errors of them. `scale` has
+    the size of every quantity and of `lz` and `w3`.
     """
     start: list[Fraction | Callable[[], arb]] = [
         p["theta0"],
@@ -220,7 +227,7 @@ def by_angles(
 def by_axis(p: Mapping[str, Fraction], scale: Mapping[str, Size], side: int) -> ValidatedFlow:
     """The truth by validated integration of the axis n, L and psi + side phi.
 
-    It serves where the axis comes near one vertical (`side` 1 for up, -1 for down), where phi' and
+    It is used where the axis approaches one vertical (`side` 1 for up, -1 for down), where phi' and
     psi' are large. The equations are those of `cartesian`; phi lies in (-pi, pi].
     """
     nutation = Nutation(p, LEAST_TOLD)
@@ -251,6 +258,8 @@ def axis_and_momentum(p: Mapping[str, Fraction], k: int) -> arb:
     There n = (0, -sin theta, cos theta) and L = J1 (theta' e_x + phi' sin theta e) + J3 w3 n, with
     e = (0, cos theta, sin theta) across the axis.
     """
+    # across = J1 phi' sin theta, along = J3 w3:
+    # L = (J1 theta', across cos theta - along sin theta, across sin theta + along cos theta)
     sine, cosine = arb_of(p["theta0"]).sin_cos()
     across = arb_of(p["j1"] * p["phidot0"]) * sine
     along = arb_of(p["j3"] * p["spin"])
@@ -263,7 +272,7 @@ def axis_and_momentum(p: Mapping[str, Fraction], k: int) -> arb:
 
 
 class AxisReading(Reading):
-    """Reads the angles and thetadot off a state (n, L, psi + side phi), and their derivatives.
+    """The angles and thetadot of a state (n, L, psi + side phi), and their derivatives.
 
     With n = (sin theta sin phi, -sin theta cos phi, cos theta) and s = sin theta = sqrt(n_x^2 +
     n_y^2):
@@ -292,7 +301,7 @@ class AxisReading(Reading):
     def slopes(self, y: Sequence[arb]) -> Mapping[str, Sequence[arb]]:
         """The derivatives of every quantity by the seven coordinates of the state.
 
-        The state itself is read as it is: rows of the unit matrix. With s^2 = n_x^2 + n_y^2:
+        Those of the coordinates themselves are rows of the unit matrix. With s^2 = n_x^2 + n_y^2:
 
             d theta = (n_z n_x/s, n_z n_y/s, -s) . dn                     (s^2 + n_z^2 = 1)
             d phi = (-n_y, n_x)/s^2 . (dn_x, dn_y)
@@ -338,6 +347,7 @@ def cartesian(p: Mapping[str, Fraction], side: int) -> Field:
     j3 = p["j3"]
 
     def rates(s: Sequence[Any]) -> Sequence[Any]:
+        # n' = L x n/J1,  L' = l n x (-m g e_z) = m g l (-n_y, n_x, 0)
         nx, ny, nz, lx, ly, lz, _ = s
         along_axis = lx * nx + ly * ny + lz * nz
         axis_rate = [
@@ -346,6 +356,7 @@ def cartesian(p: Mapping[str, Fraction], side: int) -> Field:
             (lx * ny - ly * nx) / j1,
         ]
         torque = [ny * -weight, nx * weight, nx * 0]
+        # w3 + side (L_z - (L . n) n_z)/(J1 (1 + side n_z)),  w3 = (L . n)/J3
         of_spin = along_axis / j3
         of_precession = (lz - along_axis * nz) * side / ((nz * side + 1) * j1)
         return (*axis_rate, *torque, of_spin + of_precession)
@@ -367,9 +378,11 @@ def field(p: Mapping[str, Fraction]) -> Field:
         theta, _, _, thetadot, lz, w3 = y
         sine = theta.sin()
         cosine = theta.cos()
+        # phi' = (L_z/J1 - a cos theta)/sin^2 theta,  psi' = w3 - phi' cos theta,  a = J3 w3/J1
         a = w3 * (p["j3"] / p["j1"])
         phi_rate = (lz / p["j1"] - a * cosine) / (sine * sine)
         psi_rate = w3 - phi_rate * cosine
+        # theta'' = ((phi' cos theta - a) phi' + m g l/J1) sin theta
         theta_acceleration = ((phi_rate * cosine - a) * phi_rate + weight) * sine
         return (thetadot, phi_rate, psi_rate, theta_acceleration, 0, 0)
 
@@ -389,8 +402,8 @@ def truth(p: Parameters, scale: Mapping[str, float], rate: float) -> Truth:
     }
     sizes = {**scale, "lz": float(j1) * rate, "w3": rate}
     nutation = Nutation(exact)
-    # A motion that comes near both verticals is left to the angles, which refuse it if it comes too
-    # near: psi + side phi would be regular at one of them only.
+    # psi + side phi is regular at one vertical only. A motion that approaches both verticals is
+    # therefore integrated in angles, and refused if it comes within LEAST_TILT of one of them.
     poles = nutation.poles()
     if len(poles) == 1:
         return by_axis(exact, sizes, poles[0])

@@ -1,5 +1,5 @@
-"""Koenig's theorem in rational numbers: kinetic energy and angular momentum of points that move, of
-their centre of mass, and about it; and the energy of the same points that turn.
+"""Koenig's theorem in rational numbers: kinetic energy and angular momentum of moving points, of
+their centre of mass, and about it; and the energy of the same points in a rotation.
 """
 
 from collections.abc import Sequence
@@ -29,6 +29,7 @@ def exact_values(p: Parameters) -> dict[str, list[Fraction]]:
     places = points(p, "places")
     velocities = points(p, "velocities")
     omega = vector(p, "omega")
+    # R = sum m r/M, V = sum m v/M; about the centre r - R and v - V; in the rotation omega x r.
     total = sum(masses, Fraction(0))
     centre = mean(masses, places)
     drift = mean(masses, velocities)

@@ -32,6 +32,7 @@ WITNESS = (
 
 def hopf_rho(sigma: Fraction, beta: Fraction) -> Fraction | None:
     """The rho at which the equilibria C+- lose their stability; None if they never do."""
+    # rho_H = sigma (sigma + beta + 3)/(sigma - beta - 1), if sigma > beta + 1.
     if sigma <= beta + 1:
         return None
     return sigma * (sigma + beta + 3) / (sigma - beta - 1)
@@ -43,6 +44,7 @@ def constants(sigma: Fraction, rho: Fraction, beta: Fraction) -> dict[str, arb]:
 
     C+- = (+-equilibrium_xy, +-equilibrium_xy, equilibrium_z); the third equilibrium is the origin.
     """
+    # div f = -(sigma + 1 + beta);  C+- = (+-sqrt(beta (rho - 1)), +-sqrt(beta (rho - 1)), rho - 1)
     scalars = {"contraction_rate": arb_of(-(sigma + 1 + beta))}
     if rho > 1:
         scalars["equilibrium_xy"] = arb_of(beta * (rho - 1)).sqrt()

@@ -43,6 +43,7 @@ class Means:
         """The inertia tensor over the mass: trace(M) 1 - M, with M + a a^T about a point at -a
         from the centre (parallel axes).
         """
+        # J/m = tr(M') 1 - M' with M' = M + a a^T and a = centre - about.
         arm = [c - p for c, p in zip(self.centre, self.about or self.centre, strict=True)]
         moments = [[self.second[i][j] + arm[i] * arm[j] for j in range(3)] for i in range(3)]
         trace = sum((moments[i][i] for i in range(3)), F(0))
@@ -175,11 +176,11 @@ SOLIDS: dict[str, Callable[[Fraction, Fraction, Fraction, Fraction], Means]] = {
     ),
     "points": lambda a, b, c, f: points(a, b, c),
 }
-"""By name, for sizes a, b, c [m] and the part f of the size that a hollow has."""
+"""Solids by name, for sizes a, b, c [m] and the relative size f of a cavity."""
 
 
 def _flat(second: Matrix) -> Matrix:
-    """The second moments of the plate that a solid with these moments leaves in z = 0."""
+    """The second moments of the projection of a solid with these moments to z = 0."""
     return diagonal(second[0][0], second[1][1], xy=second[0][1])
 
 

@@ -1,8 +1,9 @@
-"""Certified motion of a box that flies (as the free rigid body does), or tumbles down a slope
+"""Certified motion of a box: in free flight (free_rigid_body.py), or tumbling down a slope
 (refdem/truth/tumbling_contact.py).
 
-Slope: axes, law and sides are those of the case; the start is exact, in flight. Certified up to
-where two corners would touch at once or a corner that presses would come to a stop.
+Slope: axes, contact law and sides are those of the case; the start is exact and in flight. The
+motion is certified up to a time at which two corners touch at once, or the slip of a corner in
+contact becomes 0.
 """
 
 from collections.abc import Mapping, Sequence
@@ -37,7 +38,7 @@ from refdem.truth.vectors import dot
 
 PLACE = ("x", "y", "z")
 DIGITS = 32
-"""Digits to which the values are asked for, twice those of binary64."""
+"""Digits of the values, twice those of binary64."""
 
 
 class Flight(Guarded, Truth):
@@ -68,8 +69,9 @@ class Flight(Guarded, Truth):
         return self.body.by_equation().derivatives(t, count) | places
 
     def place_growth(self, t: arb) -> arb:
-        """S of the place, 1 + t |v|/L: an error of L in it and one of |v| in the velocity, along
-        each other and measured by Euclid.
+        """S of the position, 1 + t |v|/L, for errors of length L and |v| in the same direction.
+
+        They are errors of position and velocity, in the Euclidean norm.
         """
         square_of_speed = sum((v * v for v in self.velocity), Fraction(0))
         return 1 + t * arb_of(square_of_speed).sqrt() / arb_of(self.length)
@@ -163,7 +165,8 @@ def slope(p: Parameters) -> Slope:
     """The slope and the box on it."""
     inertia, _, _ = exact_columns(p)
     given = numbers(p, "mass", "gravity", "slope", "stiffness", "damping", "friction")
-    # Squares of the sides of a box: m a_i^2/12 = (J1 + J2 + J3)/2 - J_i.
+    # Squares of the sides of a box: m a_i^2/12 = (J1 + J2 + J3)/2 - J_i, from J1 = m (a2^2 +
+    # a3^2)/12 and so on.
     squares = tuple(6 * (sum(inertia) - 2 * j) / given["mass"] for j in inertia)
     return Slope(inertia=inertia, squares=squares, **given)
 
@@ -187,7 +190,7 @@ class Start:
     def coordinate(self, number: int) -> arb:
         """Number `number` of the state at the current precision.
 
-        Into axes of the slope everything is turned back by its angle about y.
+        The transformation to axes of the slope is the rotation about y by minus its angle.
         """
         half_angle = arb_of(self.slope) / 2
         back = [half_angle.cos(), arb(0), -half_angle.sin(), arb(0)]

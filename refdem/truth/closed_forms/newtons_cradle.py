@@ -1,8 +1,8 @@
-"""Certified motion of balls in a line that meet two at a time: impact_sequence.py on one line.
+"""Certified motion of spheres on a line with impacts of pairs: impact_sequence.py in one dimension.
 
-Between impacts every ball moves uniformly, so that two neighbours with the gap d and the closing
-speed c = v1 - v2 > 0 meet after d/c. From rational numbers all times and velocities stay rational:
-the list of impacts is exact.
+Between impacts every sphere moves uniformly, so that two neighbours with the gap d and the closing
+speed c = v1 - v2 > 0 touch after d/c. With rational parameters all times and velocities are
+rational, so that the list of impacts is exact.
 """
 
 from collections.abc import Mapping, Sequence
@@ -34,8 +34,8 @@ WITNESS = (
     " found anew in balls (refdem/truth/witnesses/lines_of_impacts.py)"
 )
 MOST_IMPACTS = 120
-"""The most moments of impact that are followed: balls that lose much energy may meet infinitely
-often in a finite time (McNamara and Young 1992).
+"""The largest number of times of impact that are computed: spheres that lose much energy may
+collide infinitely often in a finite time (McNamara and Young 1992).
 """
 MOST_BITS = 2**14
 """Bits of an exact time of impact: each impact adds those of the masses."""

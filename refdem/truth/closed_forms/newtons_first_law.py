@@ -120,7 +120,7 @@ class Uniform(ClosedForm):
 
 @dataclass(frozen=True)
 class Still(Guarded, Truth):
-    """Bodies that stay where they are: every quantity named is exactly 0 for ever, and S = 1."""
+    """Bodies at rest: every quantity is exactly 0 at all times, and S = 1."""
 
     method = "equilibrium"
     witness = "balance of forces"
@@ -132,11 +132,11 @@ class Still(Guarded, Truth):
         return {name: Ball(Fraction(0), Fraction(0)) for name in self.quantities}
 
     def derivatives(self, t: Fraction, count: int) -> Derivatives:
-        """0 by every parameter: beside them the bodies stay too."""
+        """0 by every parameter: the bodies are at rest for neighbouring parameters too."""
         return {name: (Ball(Fraction(0), Fraction(0)),) * count for name in self.quantities}
 
     def sensitivity(self, t: Fraction) -> float:
-        """1: what a start is off it stays off."""
+        """1: an error of the start is constant."""
         return 1.0
 
 

@@ -1,8 +1,8 @@
-"""Certified departure from the equilibria of a pendulum: the elliptic functions of
+"""Certified motion near the equilibria of a pendulum, by the elliptic functions of
 refdem/truth/closed_forms/pendulum.py.
 
-The start is theta0 = delta at the bottom and pi - delta at the top, at rest; the top is known
-exactly, as half a turn.
+The start is at rest at theta0 = delta near the bottom, or at pi - delta near the top; pi is exact,
+as a half turn.
 """
 
 from collections.abc import Mapping, Sequence
@@ -63,6 +63,7 @@ class PendulumEquilibria(ClosedForm):
             else:
                 height = -length
             return quantities | {"x": arb(0), "y": height, "vx": arb(0), "vy": arb(0)}
+        # vx = l theta' cos theta,  vy = l theta' sin theta
         sine, cosine = quantities["theta"].sin_cos()
         speed = length * quantities["thetadot"]
         position = {name: quantities[name] for name in ("theta", "thetadot", "x", "y")}
@@ -92,7 +93,7 @@ def truth(p: Parameters, scale: Mapping[str, float]) -> Truth:
     length = number(p, "length")
     gravity = number(p, "gravity")
     delta = number(p, "delta")
-    # From the top delta counts against the angle: theta = pi - delta.
+    # Near the top theta = pi - delta: half a turn and the offset -delta.
     is_top = p["position"] == "top"
     if is_top:
         theta0 = -delta

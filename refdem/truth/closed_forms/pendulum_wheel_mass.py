@@ -5,8 +5,8 @@ From Lagrange's equations with A = M + m + J/R^2 and u = r' - R theta':
     A u' = m r theta'^2 - M g + m g cos theta,
     d/dt (m r^2 theta' - A R u) = M g R - m g (R cos theta + r sin theta).
 
-The first into the second gives r theta'' = R theta'^2 - 2 r' theta' - g sin theta, and r'' = u' + R
-theta''.
+The first equation inserted into the second gives r theta'' = R theta'^2 - 2 r' theta' - g sin
+theta; r'' = u' + R theta''.
 """
 
 from collections.abc import Mapping, Sequence
@@ -36,12 +36,14 @@ def field(p: Mapping[str, Fraction]) -> Field:
     counter = p["counter_mass"]
     radius = p["wheel_radius"]
     g = p["gravity"]
-    # A; a wheel of no radius has no inertia.
+    # A = M + m + J/R^2; for R = 0 the inertia of the wheel does not enter.
     string_mass = m + counter
     if radius:
         string_mass += p["wheel_inertia"] / radius**2
 
     def rates(y: Sequence[Any]) -> Sequence[Any]:
+        # u' = (m r theta'^2 + m g cos theta - M g)/A
+        # theta'' = (R theta'^2 - 2 r' theta' - g sin theta)/r,  r'' = u' + R theta''
         r, theta, rdot, thetadot = y
         u_rate = (r * thetadot * thetadot * m + theta.cos() * (m * g) - counter * g) / string_mass
         angular = (thetadot * thetadot * radius - rdot * thetadot * 2 - theta.sin() * g) / r

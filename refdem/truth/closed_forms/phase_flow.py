@@ -1,15 +1,17 @@
-"""A polygon carried through phase space (x, v): its corners one by one, and its area.
+"""A polygon that a flow moves through phase space (x, v): the motion of its corners, and its area.
 
 Theorem (Liouville): an element dA of phase area changes as d/dt dA = (div F) dA. So the area is
-kept by the oscillator and the pendulum, and falls as exp(-2 delta t) in a fluid. Under dry friction
-it falls where a part of the polygon crosses v = 0, by the formula below.
+constant for the harmonic oscillator and the pendulum, and decreases as exp(-2 delta t) with viscous
+damping. Under dry friction it decreases where a part of the polygon crosses v = 0, by the formula
+below.
 
 Hypotheses, and where each is checked:
 
 * with dry friction the polygon starts on one side of v = 0: `_sides_about_the_centre`, exactly;
-* how often each part has crossed v = 0, and what has stopped: balls, for whole parts of a side
-  (`_side_integral`). UndecidedError where they cannot tell, which ends as `corner`;
-* the corners move as their own closed forms say (`FORMS`), which check what they ask for.
+* how often each part has crossed v = 0, and what has stopped: in ball arithmetic, for whole parts
+  of a side (`_side_integral`). UndecidedError where that is not decided, which is reported as
+  `corner`;
+* the corners move by the closed forms of their flows (`FORMS`), which check their own hypotheses.
 
 Formula (dry friction, force f against the velocity, w^2 = k/m): while v < 0 the flow turns (X, Y) =
 (x - f/k, v/w) clockwise about 0. In polar coordinates (R, a) there, dA = w R dR da. A point crosses
@@ -61,7 +63,7 @@ FORMS: dict[str, tuple[Any, str, str]] = {
 }
 """The closed form that moves a corner in each flow, and its names of position and rate."""
 LARGEST = 1e100
-"""The size of quantities that are not told here: so large that their error never counts."""
+"""The scale of quantities that are not reported here, so large that their error is negligible."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -113,7 +115,7 @@ class PhaseFlow(Guarded, Truth):
         return self.of_corners(corners) | unflattened(area, count)
 
     def of_corners(self, corners: Sequence[Mapping[str, Told]]) -> dict[str, Told]:
-        """What is told of the place and rate of each corner, under the names x_k and v_k."""
+        """The values of position and rate of each corner, under the names x_k and v_k."""
         _, place, rate = FORMS[self.flow]
         told = {}
         for k, corner in enumerate(corners):
@@ -142,13 +144,13 @@ class PhaseFlow(Guarded, Truth):
         return max(motion.sensitivity(t) for motion in self.motions)
 
     def scalars(self) -> dict[str, Ball]:
-        """The area at the start, exact."""
+        """The initial area, exact."""
         return {"area_0": Ball(self.first_area(), Fraction(0))}
 
     def first_area(self) -> Fraction:
         """The area of the polygon at the start: half the sum of x_i v_(i+1) - x_(i+1) v_i.
 
-        It is positive where the corners go round counterclockwise.
+        It is positive where the corners are in counterclockwise order.
         """
         return sum((a[0] * b[1] - b[0] * a[1] for a, b in self.sides()), Fraction(0)) / 2
 
@@ -159,15 +161,17 @@ class PhaseFlow(Guarded, Truth):
     def area(self, t: arb) -> arb:
         """The area at time t, at the current precision.
 
-        UndecidedError where balls cannot tell how often a part has crossed v = 0.
+        Raises UndecidedError where it is not decided how often a part has crossed v = 0.
         """
+        # A(t) = A(0) exp(-2 delta t) with viscous damping, and A(0) without damping.
         first = arb_of(self.first_area())
         if self.flow == "viscous":
             return first * (-2 * arb_of(self.delta) * t).exp()
         if self.flow != "coulomb":
             return first
-        # With w t = half_turns pi + rest and -pi < a < 0, n = floor((w t - a)/pi) is half_turns + 1
-        # for angles a below rest - pi, and half_turns above: the ray at that angle divides them.
+        # Dry friction: A = w integral of max(0, R - n loss)^2/2 da with n = floor((w t - a)/pi) and
+        # loss = 2 f/k. With w t = half_turns pi + rest and -pi < a < 0, n is half_turns + 1 for
+        # angles a below rest - pi, and half_turns above: the ray at that angle separates them.
         phase = arb_of(self.square).sqrt() * t
         half_turns = (phase / arb.pi()).floor().unique_fmpz()
         if half_turns is None:
@@ -183,7 +187,8 @@ class PhaseFlow(Guarded, Truth):
     def _sides_about_the_centre(self) -> list[tuple[Corner, Corner]]:
         """The sides in (X, v), X = x - f/k, for v < 0.
 
-        A polygon above v = 0 is first turned by half a turn, under which the flow is the same.
+        A polygon with v > 0 is first rotated by half a turn, (x, v) -> (-x, -v), under which the
+        flow is invariant.
         Raises NotCertifiedError if it starts on both sides of v = 0.
         """
         if all(v < 0 for _, v in self.corners):
@@ -208,9 +213,9 @@ def _side_integral(
     """Half the integral of max(0, R - n loss)^2 da along a side (X, v) of the polygon.
 
     n is `turns` on the counterclockwise side of the ray (sine, cosine of its angle) and turns + 1
-    on the other; `square` is w^2. The side is cut where it meets the ray or a circle R = n loss:
-    between two cuts n is constant and R - n loss keeps its sign, so that the middle of a part
-    decides for all of it. UndecidedError where balls do not decide.
+    on the other; `square` is w^2. The side is cut where it meets the ray or a circle R = n loss.
+    Between two cuts n and the sign of R - n loss are constant, so that the midpoint of a part is
+    representative. Raises UndecidedError where a sign is not decided.
     """
     (x, v), (x_end, v_end) = side
     if x * v_end == x_end * v:
@@ -225,6 +230,7 @@ def _side_integral(
     at_begin = cosine * p[1] - sine * p[0]
     at_end = cosine * (p[1] + d[1]) - sine * (p[0] + d[0])
     if _positive(at_begin) != _positive(at_end):
+        # s with cross(ray, p + s d) = 0, which is linear in s.
         cuts = [at_begin / (at_begin - at_end)]
     else:
         cuts = []
@@ -263,6 +269,7 @@ def _line_integral(a: tuple[arb, arb], b: tuple[arb, arb], radius: arb) -> arb:
 
         integral of R^2 da = a x b,    integral of R da = D [asinh(s/|D|)],    integral of da = [a].
     """
+    # D = (a x b)/|b - a|; s runs from a . (b - a)/|b - a| to b . (b - a)/|b - a|.
     cross = a[0] * b[1] - a[1] * b[0]
     along = (b[0] - a[0], b[1] - a[1])
     length = _dot(along, along).sqrt()
@@ -271,11 +278,12 @@ def _line_integral(a: tuple[arb, arb], b: tuple[arb, arb], radius: arb) -> arb:
     s_end = _dot(b, along) / length
     of_r = distance * ((s_end / abs(distance)).asinh() - (s_begin / abs(distance)).asinh())
     of_angle = atan2(b[1], b[0]) - atan2(a[1], a[0])
+    # (1/2) integral of (R^2 - 2 c R + c^2) da
     return (cross - 2 * radius * of_r + radius * radius * of_angle) / 2
 
 
 def _dot(a: tuple[arb, arb], b: tuple[arb, arb]) -> arb:
-    """The dot product of two vectors; a power of a ball that holds 0 would be nan."""
+    """The dot product of two vectors; a power of a ball that contains 0 would be nan."""
     return a[0] * b[0] + a[1] * b[1]
 
 
@@ -298,7 +306,7 @@ def _sorted(cuts: list[arb]) -> list[arb]:
 
 
 def _positive(value: arb) -> bool:
-    """True if it is positive, False if negative; UndecidedError where a ball holds 0."""
+    """True if positive, False if negative; raises UndecidedError where the ball contains 0."""
     if not (value > 0 or value < 0):
         raise UndecidedError("on which side of a boundary a part of the head is")
     return bool(value > 0)
@@ -332,7 +340,7 @@ def motions_of(
     form, place, rate = FORMS[flow]
     names = ("mass", "stiffness", "delta", "friction_force", "length")
     common = {name: p[name] for name in names}
-    # The oscillators of this case lie on a table; only the pendulum has a weight.
+    # The oscillators of this case move horizontally; gravity acts on the pendulum alone.
     if flow == "pendulum":
         common["gravity"] = p["gravity"]
     else:

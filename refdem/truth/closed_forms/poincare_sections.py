@@ -1,10 +1,10 @@
 """Points of two Poincare sections of the mass on a belt (1.125): x and v once a period of the
-drive, and when and where it passes v = 0 with x > 0.
+drive, and the times and positions of v = 0 with x > 0.
 
-On a belt of velocity b > 0, v = 0 only while it slips backward (u = -b < 0). That slip is two
-modes, one with v > 0 and one with v < 0, which the event v = 0 separates: nothing changes there but
-the name of the mode, and interval Newton encloses the time. There v' = gamma cos(eta t) - x,
-because the friction at u = -b balances the steady pull.
+On a belt of velocity b > 0, v = 0 is only possible in a backward slip (u = -b < 0). That slip is
+divided into two modes with the same equations, v > 0 and v < 0, so that v = 0 is an event whose
+time interval Newton encloses. There v' = gamma cos(eta t) - x, because the friction a mu(b) cancels
+the constant -a mu(b) of the pull.
 """
 
 import math
@@ -36,11 +36,11 @@ RETREAT = "retreat"
 PASSAGE = "passage"
 """The event v = 0."""
 STROBES = 3
-"""Periods of the drive at whose ends the motion is asked for."""
+"""Number of periods of the drive at whose ends the state is given."""
 PASSAGES = 4
-"""Passages of v = 0 with x > 0 that are asked for."""
+"""Number of passages of v = 0 with x > 0 that are given."""
 MOST_PERIODS = 16
-"""Periods in which they are looked for: of the drive, or of the spring if that is longer."""
+"""Length of the search for them in periods of the drive, or of the spring if that is longer."""
 
 
 @dataclass(frozen=True)
@@ -134,13 +134,13 @@ class Sections(ClosedForm):
         return 2 * n * arb.pi() / arb_of(self.oscillator.eta)
 
     def passages(self, motion: HybridMotion) -> list[Event]:
-        """The first passages of v = 0 with x > 0, as many as are asked for.
+        """The first PASSAGES passages of v = 0 with x > 0.
 
         Raises NotCertifiedError where there are fewer in MOST_PERIODS periods.
         """
         found: list[Event] = []
         searched = 0
-        # The mass and the stiffness are 1, and so is the frequency of the spring.
+        # Mass and stiffness are 1, so that the spring has the frequency 1: 2 pi/min(1, eta).
         last = 2 * MOST_PERIODS * Fraction(math.pi) / min(Fraction(1), self.oscillator.eta)
         while len(found) < PASSAGES:
             while searched == len(motion.events):
@@ -166,12 +166,11 @@ class Sections(ClosedForm):
 
     @per_precision
     def growth(self) -> Grows:
-        """The factor by which an error of the motion has grown in any of the points, in their
-        scales.
+        """The largest growth of an error of the motion in any of the points, in their scales.
 
-        S of the motion at the latest point; and of a time of passage, which an error dv of the
-        velocity moves by dv/|v'|, as many times as much as it counts there. The place at v = 0 does
-        not change with the time to first order.
+        It is S of the motion at the latest point, times max(1, V/(|v'| T)): an error dv of the
+        velocity moves a time of passage by dv/|v'|, with the scales V of v and T of that time. The
+        position at v = 0 does not change with the time to first order.
         """
         passages = self.passages(self.flow.motion(ctx.prec))
         latest = max(float(self.strobe_time(STROBES)), float(passages[-1].time))

@@ -1,4 +1,4 @@
-"""m x'' + k |x|^n sgn x = 0 from rest: incomplete beta functions and their inverse, as balls.
+"""m x'' + k |x|^n sgn x = 0 from rest: incomplete beta functions and their inverses, as Arb balls.
 
 With p = n + 1, y = x/A, w = -v/u, u = sqrt(2 k/(m p)) A^(p/2), energy says y^p + w^2 = 1. In units
 of A/u (DLMF 8.17.7) the time
@@ -6,9 +6,9 @@ of A/u (DLMF 8.17.7) the time
     from the centre is           q(y) = y 2F1(1/2, 1/p; 1 + 1/p; |y|^p),
     from the turning point is    s(w) = (2/p) w 2F1(1/2, 1 - 1/p; 3/2; w^2),
 
-and a quarter of the period is B(1/p, 1/2)/p. Each series serves where its argument is at most about
-1/2. They are inverted with a proof: since q' >= 1 and s' >= 2/p, a trial value is no farther from
-the root than its residual over that bound (mean value theorem).
+and a quarter of the period is B(1/p, 1/2)/p. Each series is used where its argument is at most
+about 1/2. The inversion is proved: since q' >= 1 and s' >= 2/p, the distance of a trial value from
+the root is at most its residual divided by that bound (mean value theorem).
 """
 
 from collections.abc import Callable, Mapping
@@ -65,6 +65,7 @@ class PowerOscillator(ClosedForm):
 
     def acceleration(self, x: arb) -> arb:
         """-(k/m) |x|^n sgn x, also for a ball that holds 0."""
+        # For a ball x that contains 0 both signs are possible.
         size = arb_of(self.ratio) * magnitude(x, arb_of(self.exponent))
         if x > 0:
             return -size
@@ -74,6 +75,7 @@ class PowerOscillator(ClosedForm):
 
     def rate(self) -> arb:
         """The rate u/A = sqrt(2 k/(m p)) A^((n - 1)/2) [1/s] of the motion."""
+        # u = sqrt(2 k/(m p)) A^(p/2), so that u/A = sqrt(2 k/(m p)) A^((n - 1)/2).
         amplitude = arb_of(abs(self.amplitude))
         factor = (2 * arb_of(self.ratio) / self.p).sqrt()
         return factor * amplitude ** ((arb_of(self.exponent) - 1) / 2)
@@ -81,11 +83,13 @@ class PowerOscillator(ClosedForm):
     @per_precision
     def quarter(self) -> arb:
         """A quarter of the period in units of A/u: sqrt(pi) gamma(1 + 1/p)/gamma(1/2 + 1/p)."""
+        # B(1/p, 1/2)/p with gamma(1/2) = sqrt(pi) and gamma(1/p)/p = gamma(1 + 1/p)
         share = 1 / self.p
         return arb.pi().sqrt() * gamma(1 + share) / gamma(arb(0.5) + share)
 
     def from_centre(self, y: arb) -> arb:
         """The integral q(y) from the centre, for an exact y."""
+        # q(y) = y 2F1(1/2, 1/p; 1 + 1/p; |y|^p)
         share = 1 / self.p
         return y * two_f_one(arb(0.5), share, 1 + share, magnitude(y, self.p))
 
@@ -95,6 +99,7 @@ class PowerOscillator(ClosedForm):
 
     def from_turning(self, w: arb) -> arb:
         """The integral s(w) from the turning point."""
+        # s(w) = (2/p) w 2F1(1/2, 1 - 1/p; 3/2; w^2)
         return 2 / self.p * w * two_f_one(arb(0.5), 1 - 1 / self.p, arb(1.5), w * w)
 
     def turning_slope(self, w: arb) -> arb:
@@ -132,11 +137,12 @@ class PowerOscillator(ClosedForm):
 
     @per_precision
     def middle(self) -> arb:
-        """The time q at y^p = w^2 = 1/2, where either series serves."""
+        """The time q at y^p = w^2 = 1/2, where both series have the argument 1/2."""
         return self.from_centre((arb(0.5) ** (1 / self.p)).mid())
 
     def evaluate(self, t: arb) -> dict[str, arb]:
         """x = A y and v = -u w, with the sign of A changed after every half period."""
+        # The phase t u/A, reduced by the nearest multiple of half a period.
         phase = self.rate() * t
         half_period = 2 * self.quarter()
         half_turns = nearest_integer(phase / half_period)
@@ -150,7 +156,7 @@ class PowerOscillator(ClosedForm):
 
     @per_precision
     def growth(self) -> Grows:
-        """How errors grow: motions of other amplitudes are the same one in other units.
+        """How errors grow: motions of other amplitudes are the same motion in other units.
 
         The force is steepest at the turning point, |f'| <= (k/m) n A^(n - 1).
         """
@@ -178,9 +184,9 @@ class PowerOscillator(ClosedForm):
 
 
 def magnitude(x: arb, power: arb) -> arb:
-    """|x|^power for power > 0, also where the ball holds 0.
+    """|x|^power for power > 0, also where the ball x contains 0.
 
-    UndecidedError where it does and x or the power carries derivatives.
+    Raises UndecidedError where it contains 0 and x or the power carries derivatives.
     """
     if x > 0 or x < 0:
         if slopes_of(power):
@@ -217,10 +223,10 @@ def with_derivatives_of(
 def inverse(
     function: Callable[[arb], arb], value: arb, least: arb, slope: Callable[[arb], arb]
 ) -> arb:
-    """A ball of the argument at which a function with slope >= `least` has a value.
+    """A ball that contains the root x of function(x) = value, for a function with slope >= `least`.
 
-    Newton's method in floating point comes close, which proves nothing; by the mean value theorem
-    the root is no farther away than the residual over `least`.
+    Newton's method gives an approximation x0, without a proof. By the mean value theorem the root
+    satisfies |x - x0| <= |function(x0) - value|/least.
     """
     if abs(value.mid()) > 0.25:
         argument = arb(float(value.mid())) / 2

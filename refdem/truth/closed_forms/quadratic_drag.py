@@ -1,7 +1,7 @@
 """Fall in a fluid with quadratic drag: m v' = -m g - c |v| v.
 
-Notation: v_t = sqrt(m g/c) is the terminal velocity, s = g t/v_t the time, u = -v/v_t the velocity
-downwards and X = -y g/v_t^2 the way downwards. Then X' = u and u' = 1 - |u| u.
+Notation: v_t = sqrt(m g/c) is the terminal velocity, s = g t/v_t the time, u = -v/v_t the downward
+velocity and X = -y g/v_t^2 the downward displacement. Then X' = u and u' = 1 - |u| u.
 
 Theorem. From u0 < 0 the body rises until s1 = arctan(-u0):
 
@@ -11,7 +11,7 @@ and falls from rest after it. From u0 >= 0, with T = tanh s,
 
     u = (u0 + T)/(1 + u0 T),  X = ln(cosh s + u0 sinh s),
 
-below the terminal velocity, at it and above it alike (Riccati's equation; the solutions are tanh
+for velocities below, at and above the terminal velocity (Riccati's equation; the solutions are tanh
 and coth of a shifted time).
 
 S(t). An error of u made at s' has shrunk by s, for |u| u increases; its integral b(s', s) is what
@@ -100,7 +100,7 @@ class QuadraticDrag(ClosedForm):
             return fallen(self.start(), s)
         if s <= self.rise():
             return risen(self.start(), s)
-        # After the turning point, or where balls cannot tell: both formulas meet there.
+        # After the turning point; where the ball s contains it, the union of both formulas.
         to_top, _ = risen(self.start(), self.rise())
         since = s - self.rise()
         way, velocity = fallen(arb(0), since)

@@ -1,23 +1,24 @@
-"""A rigid cluster of points that turns freely about its centre of mass, by closed form.
+"""A rigid cluster of points that rotates freely about its centre of mass, in closed form.
 
-Theorem: r_i = c + R(t) (r_i(0) - c), where the centre c rests and R is the rotation of the free
-rigid body (free_body.py) whose inertia tensor is J = sum m (r^2 1 - r r^T).
+Theorem: r_i = c + R(t) (r_i(0) - c), where the centre c is at rest and R is the rotation of the
+free rigid body (free_body.py) whose inertia tensor is J = sum m (r^2 1 - r r^T).
 
 Hypotheses, and where each is checked:
 
 * J is that of exact points, so it is rational; its principal moments are the roots lambda of
   det(J - lambda) = 0, isolated with their multiplicities (`RigidCluster.moments`);
-* which formula holds is decided of the exact tensor (`is_steady`, `_is_on_separatrix`), about which
-  axis it turns by balls (`form`, which ends as `separatrix`).
+* which formula holds is decided from the exact tensor (`is_steady`, `_is_on_separatrix`); about
+  which axis the body turns is decided in ball arithmetic (`form`; otherwise reported as
+  `separatrix`).
 
 Formula: the axis of a moment that occurs once is a cross product of two rows of J - lambda; in
-these axes the motion is that of free_body.py. Two equal moments J1 = J1 != J3 leave the axes across
-e, the unit vector of J3, open. There
+these axes the motion is that of free_body.py. If two moments are equal, J1 = J2 != J3, the axes at
+right angles to e, the unit vector of the axis of J3, are not determined. The formula
 
     R = exp(t L/J1) exp(t (omega . e)(1 - J3/J1) e)
 
-(exp of a vector is the rotation about it by its length) needs none (Landau and Lifshitz, Mechanics,
-section 33).
+does not need them (exp of a vector is the rotation about it by its length; Landau and Lifshitz,
+Mechanics, section 33).
 """
 
 from collections.abc import Mapping, Sequence
@@ -219,6 +220,7 @@ class RigidCluster(ClosedForm):
         They are the roots of the characteristic polynomial lambda^3 - trace lambda^2 + (sum of the
         principal minors) lambda - det J, which FLINT isolates exactly from whole coefficients.
         """
+        # det(J - lambda) = 0 as lambda^3 - tr(J) lambda^2 + (m_x + m_y + m_z) lambda - det J
         a, b, c = self.tensor
         trace = a[0] + b[1] + c[2]
         minor_z = a[0] * b[1] - a[1] * b[0]
@@ -270,7 +272,7 @@ class RigidCluster(ClosedForm):
         omega_body = rotation.applied(self.axes(), omega)
         steady_axis = None
         if self.is_steady:
-            # omega lies along one principal axis exactly, which balls of it cannot know.
+            # omega is exactly along one principal axis: set the other components to exactly 0.
             steady_axis = self._steady_axis(moments)
             omega_body = [w if i == steady_axis else arb(0) for i, w in enumerate(omega_body)]
         shifted: Any = tuple(w + arb_of(s) for w, s in zip(omega_body, self.shift, strict=True))

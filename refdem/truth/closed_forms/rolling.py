@@ -7,20 +7,24 @@ law gives, while it slides,
     v' = g sin a - mu g cos a sgn s,    R omega' = -(mu/f) g cos a sgn s,
     s' = g sin a - mu k g cos a sgn s,  k = 1 + 1/f = 1 + m R^2/J.
 
-So a slip against the slope always ends, and one down the slope ends where tan a < mu k. Then the
-body rolls for ever where tan a <= mu k, with v' = g sin a/(1 + f); where tan a > mu k it slides on
-down the slope. All of that is decided in exact arithmetic.
+A slip s < 0, up the slope, always ends; a slip s > 0 ends if tan a < mu k. After that the body
+rolls for all times if tan a <= mu k, with v' = g sin a/(1 + f); if tan a > mu k it slides down the
+slope. All these cases are decided in exact arithmetic.
 
-S: an error of the slip ds moves the end of the slip by -ds/s'. Where rolling begins, the velocities
-v and R omega lose by that f/(1 + f) ds and ds/(1 + f), on whichever side the error is: it is the
-angular momentum about the line of contact that stays. In a body that rolls the same happens to an
-error as soon as it is made. Where the friction turns round, the derivative is
+S: an error ds of the slip moves the end of the slip by -ds/s'. Where rolling begins, this changes
+the errors of v and R omega to
+
+    dv -> dv - f/(1 + f) ds,    R domega -> R domega - ds/(1 + f),    ds = dv + R domega,
+
+for either sign of ds: the angular momentum about the line of contact, dv - f R domega, is kept, and
+the slip becomes 0. In a body that rolls the same happens to an error at once. Where the friction
+changes its sign, the derivative is
 
     dv -> dv - 2 mu/(tan a + mu k) ds,    R domega -> R domega - (2 mu/f)/(tan a + mu k) ds.
 
-Exactly at tan a = mu k a slip that is made down the slope stays for ever, and one against it ends
-at once; exactly at s = 0 above the critical slope friction turns round for one of the two. There S
-is the larger one of both.
+The derivative depends on the sign of the error in two cases. For tan a = mu k a slip s > 0 stays
+for all times and a slip s < 0 ends at once. For s = 0 at the start and tan a > mu k the friction
+changes its sign only for errors ds < 0. S is then the larger one of the two.
 """
 
 from collections.abc import Iterator, Mapping, Sequence
@@ -61,6 +65,7 @@ class Phase:
 
     def after(self, t: Number) -> tuple[Number, Number, Number]:
         """Place [m], speed [m/s] and spin [rad/s] at the time t [s], exactly."""
+        # x = x0 + v0 s + v' s^2/2,  v = v0 + v' s,  omega = omega0 + omega' s,  s = t - begin
         since = t - self.begin
         place = self.place + self.speed * since + self.acceleration * (since * since) / 2
         speed = self.speed + self.acceleration * since
@@ -68,7 +73,7 @@ class Phase:
         return place, speed, spin
 
     def at(self, t: arb) -> tuple[arb, arb, arb]:
-        """Place [m], speed [m/s] and spin [rad/s] at the time t [s], in balls."""
+        """Place [m], speed [m/s] and spin [rad/s] at the time t [s], as Arb balls."""
         since = t - arb_of(self.begin)
         gained = arb_of(self.acceleration) * since
         place = arb_of(self.place) + arb_of(self.speed) * since + gained * since / 2
@@ -98,12 +103,13 @@ class Incline:
 
     def sliding(self, side: int) -> tuple[Number, Number]:
         """The rates of v [m/s^2] and omega [rad/s^2] while the slip has the sign `side`."""
+        # v' = g cos a (tan a - mu side),  omega' = -(mu side/(f R)) g cos a
         acceleration = self.pressing * (self.slope - self.friction * side)
         spin_up = self.pressing * (-side * self.friction / (self.inertia_factor * self.radius))
         return acceleration, spin_up
 
     def rolling(self) -> tuple[Number, Number]:
-        """The rates while it rolls: v' = g sin a/(1 + f), R omega' = -v'."""
+        """The rates of v and omega while it rolls: v' = g sin a/(1 + f), R omega' = -v'."""
         acceleration = self.pressing * (self.slope / (1 + self.inertia_factor))
         return acceleration, acceleration * (-1 / self.radius)
 
@@ -124,9 +130,9 @@ class Incline:
         return 0
 
     def lasts(self, slip: Fraction) -> Number | None:
-        """How long [s] a slip lasts that is `slip` [m/s] at first; None if it is for ever.
+        """The duration [s] of a slip with the initial value `slip` [m/s]; None if it never ends.
 
-        s' = g cos a (tan a - mu k sgn s).
+        s' = g cos a (tan a - mu k sgn s), so that |s|' = -g cos a (mu k - tan a sgn s).
         """
         if slip > 0:
             closing = self.limit - self.slope
@@ -137,19 +143,20 @@ class Incline:
         return abs(slip) / (self.pressing * closing)
 
     def held(self) -> list[list[Fraction]]:
-        """What becomes of an error of (x, v, omega) where it begins to roll, or rolls."""
+        """The map (3 x 3) of an error of (x, v, omega) where rolling begins, and in rolling."""
         f = self.inertia_factor
         radius = self.radius
         # ds = dv + R domega; v loses f/(1 + f) ds, and omega ds/((1 + f) R).
         return self.losing(f / (1 + f), 1 / (1 + f) / radius)
 
     def reversed(self) -> list[list[Fraction]]:
-        """What becomes of an error of (x, v, omega) where friction turns round."""
+        """The map (3 x 3) of an error of (x, v, omega) where the friction changes its sign."""
+        # v loses 2 mu/(tan a + mu k) ds, and omega (2 mu/(f R))/(tan a + mu k) ds.
         v_loss = 2 * self.friction / (self.slope + self.limit)
         return self.losing(v_loss, v_loss / (self.inertia_factor * self.radius))
 
     def losing(self, speed: Fraction, spin: Fraction) -> list[list[Fraction]]:
-        """The matrix of an error whose v loses `speed` times its slip, and omega `spin` times."""
+        """The matrix dv -> dv - speed ds, domega -> domega - spin ds with ds = dv + R domega."""
         one = Fraction(1)
         nothing = Fraction(0)
         return [
@@ -188,7 +195,7 @@ class Rolling(ClosedForm):
 
     @cached_property
     def phases(self) -> list[Phase]:
-        """The first phase and, where its slip ends, the one after it, which is for ever."""
+        """The first phase and, if its slip ends, the second one, which has no end."""
         incline = self.incline
         side = incline.side_after(self.slip)
         start = (self.place, self.speed, self.spin)
@@ -201,7 +208,7 @@ class Rolling(ClosedForm):
         return [first, second]
 
     def evaluate(self, t: arb) -> dict[str, arb]:
-        """The state at t; at the end of a phase itself that of both, which is the same."""
+        """The state at t; where the ball t contains the end of a phase, the union of both."""
         first, *later = self.phases
         state: Sequence[arb] = first.at(t)
         for phase in later:
@@ -210,7 +217,7 @@ class Rolling(ClosedForm):
                 break
             after: Sequence[arb] = phase.at(t)
             if not t > begin:
-                # Balls cannot tell on which side t is: the state is what either of them says.
+                # The ball t contains the end of the phase: the state is in the union of both.
                 after = tuple(a.union(b) for a, b in zip(state, after, strict=True))
             state = after
         place, speed, spin = state
@@ -218,21 +225,21 @@ class Rolling(ClosedForm):
         return {"x": place, "y": height, "vx": speed, "vy": arb(0), "omega": spin}
 
     def constants(self) -> dict[str, arb]:
-        """When the slip ends, and how fast it then rolls; nothing if it is for ever."""
+        """The time at which the slip ends, and the speed then; empty if the slip never ends."""
         if len(self.phases) == 1:
             return {}
         phase = self.phases[1]
         time = arb_of(phase.begin)
         if phase.side:
             return {"reversal_time": time}
-        # mu N times the way of the slip, |s0| t/2.
+        # Work of friction: mu N |s0| t/2 with N = m g cos a; |s0| t/2 is the path of the slip.
         force = arb_of(self.incline.mass * self.incline.friction) * arb_of(self.incline.pressing)
         work = force * arb_of(abs(self.slip)) * time / 2
         return {"roll_time": time, "roll_speed": arb_of(phase.speed), "friction_work": work}
 
     @per_precision
     def growth(self) -> Grows:
-        """How errors of STATE grow; the larger one of two where errors of either sign differ."""
+        """How errors of STATE grow; the larger growth if it depends on the sign of the error."""
         incline = self.incline
         held = self.scaled(incline.held())
         last = self.phases[-1].side
@@ -243,28 +250,33 @@ class Rolling(ClosedForm):
                 return Largest([self.along(held), self.along(None)])
             return self.along(held)
         if self.slip == 0:
-            # Errors against the slope, made at the start, see friction turn round at once.
+            # Errors ds < 0 at the start: the friction changes its sign at once.
             return Largest([self.along(None), self.along(self.scaled(incline.reversed()))])
         return self.along(None)
 
     def along(self, instant_map: arb_mat | None) -> Grows:
-        """S along the phases, of whose last one errors undergo `instant_map` as they are made."""
+        """S along the phases; an error made in the last one undergoes `instant_map` at once."""
+        # The scale of x over that of v [s].
         rate = 1 / self.ratio(0, 1)
         return Growth(self.stretches(instant_map), Norm([1] * len(STATE)), step=narrow(rate))
 
     def ratio(self, row: int, column: int) -> arb:
-        """The scale of one coordinate over that of another, for a matrix between errors."""
+        """The scale of coordinate `column` over that of coordinate `row`.
+
+        A matrix M between errors is M_ij scale_j/scale_i between errors in units of their scales.
+        """
         return arb_of(self.scale[STATE[column]] / self.scale[STATE[row]])
 
     def scaled(self, rows: list[list[Fraction]]) -> arb_mat:
-        """The matrix between errors of STATE as one between errors in scales."""
+        """The matrix between errors of STATE, in units of their scales."""
         scaled = []
         for i, row in enumerate(rows):
             scaled.append([arb_of(entry) * self.ratio(i, j) for j, entry in enumerate(row)])
         return arb_mat(scaled)
 
     def stretches(self, instant_map: arb_mat | None) -> Iterator[Stretch]:
-        """The phases, along which errors move uniformly, and what happens to them in between."""
+        """The phases, with the growth of errors in each and the matrix at the end of the first."""
+        # Within a phase the accelerations are constant: dx(t) = dx + dv t, dv and domega constant.
         drift = self.ratio(0, 1)
 
         def uniform(t: arb) -> arb_mat:

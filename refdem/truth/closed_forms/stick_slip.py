@@ -1,13 +1,13 @@
-"""A mass on a spring that rubs on a moving belt (1.125):
+"""A mass on a spring with friction on a moving belt (1.125):
 
-    x'' in gamma cos(eta t) - x - a mu(belt) - a mu(|u|) Sgn(u),    u = x' - belt,
+    x'' in gamma cos(eta t) - x - a mu(|belt|) - a mu(|u|) Sgn(u),    u = x' - belt,
 
 with the friction a mu(w) = a ((mu0 - mu1)/(1 + lambda0 w) + mu1 + lambda1 w^2) (or lambda1 w).
 
-Modes: it slips forward (u > 0), backward (u < 0), or sticks (u = 0), which it may while |P| <= a
-mu0 with the pull P = gamma cos(eta t) - x - a mu(belt). A slip begins with a double zero of u:
-there u' = P - a mu0 = 0 and u'' = P' > 0. On a belt that stands still x is constant while it
-sticks, so that the time of release is an arc cosine, or there is none.
+Modes: the mass slips forward (u > 0), backward (u < 0), or sticks (u = 0), which is possible while
+|P| <= a mu0 with the pull P = gamma cos(eta t) - x - a mu(|belt|). A forward slip that follows a
+stick begins with a double zero of u: there u' = P - a mu0 = 0 and u'' = P' > 0. On a belt at rest x
+is constant while the mass sticks, so that the time of release, if any, is an arc cosine.
 
 A state y is (x, u, t): the clock t is a coordinate, because the drive depends on it. An `Entry`
 says which mode begins, in which state, and, for each guard that vanishes there, the order of its
@@ -73,7 +73,7 @@ class StickSlip:
 
     @property
     def limit(self) -> Fraction:
-        """a mu0: the largest pull at which it sticks."""
+        """The limit a mu0 of static friction, the largest |P| at which the mass sticks."""
         return self.a * self.mu0
 
     def pull(self, y: Any) -> Any:
@@ -136,9 +136,10 @@ class StickSlip:
         return Fraction(1)
 
     def landing(self, y: State) -> Entry:
-        """The mode after a slip has come to u = 0 in state y: it sticks, or crosses with the pull.
+        """The mode after a slip has reached u = 0 in state y.
 
-        Raises SwitchError where balls cannot tell |P| from a mu0.
+        It is a stick if |P| < a mu0, and otherwise a slip to the side of P. Raises SwitchError
+        where it is not decided whether |P| or a mu0 is larger.
         """
         drive = arb_of(self.gamma) * (arb_of(self.eta) * y[CLOCK]).cos()
         limit = arb_of(self.limit)

@@ -1,5 +1,5 @@
-"""A body with three masses on its axes: its turn about a principal axis, its tensor in space and
-the angular momentum by it; and the height of a triangle, in rational numbers up to one root.
+"""A body of three point masses on its axes: its rotation about a principal axis, its inertia tensor
+in space and angular momentum; and the height of a triangle, in rational numbers up to one root.
 """
 
 from collections.abc import Sequence
@@ -21,15 +21,14 @@ def values(p: Parameters, rotation: Sequence[arb]) -> dict[str, list[arb]]:
 
 
 def moments(p: Parameters) -> list[Fraction]:
-    """The principal moments of the body about its axes: the two masses on the others, at the
-    distance 1.
-    """
+    """The principal moments of the body: the sum of the two masses off each axis, at distance 1."""
     first, second, third = vector(p, "masses")
     return [second + third, first + third, first + second]
 
 
 def spin(p: Parameters) -> dict[str, list[arb]]:
     """Energy J omega^2/2 and angular momentum J omega about the third axis, omega = 2 pi f."""
+    # J omega^2/2 = 2 J (pi f)^2
     inertia = arb_of(moments(p)[2])
     frequency = arb_of(number(p, "frequency"))
     energy = 2 * inertia * (arb.pi() * frequency) ** 2

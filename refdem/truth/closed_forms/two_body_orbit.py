@@ -1,8 +1,9 @@
-"""Plane orbits about a fixed centre: Kepler's field gm/r^2 and the central spring, from periapsis
-on +x moving in +y.
+"""Plane orbits about a fixed centre, in Kepler's field gm/r^2 or on a central spring; they start at
+periapsis on the +x axis, moving towards +y.
 
 Kepler, from any start (r0, v0) on an ellipse (Battin, An Introduction to the Mathematics and
-Methods of Astrodynamics, 1999, section 4.3), with E the gain in eccentric anomaly since the start:
+Methods of Astrodynamics, 1999, section 4.3), E being the change of the eccentric anomaly since the
+start:
 
     1/a = 2/r0 - v0^2/gm,  n = sqrt(gm/a^3),  s = r0.v0/sqrt(gm a),
     n t = E - (1 - r0/a) sin E + s (1 - cos E)                       Kepler's equation
@@ -34,8 +35,8 @@ from refdem.truth.smooth_flow import derivative_by_start
 
 NAMES = ("x", "y", "vx", "vy")
 LOST_BITS = 9
-"""Bits that the proof of S loses for each bit of 1/(1 - e), about: at e = 0.99 a working precision
-of 64 bits suffices, at 0.999 it does not.
+"""Bits that the proof of S loses, about, for each bit of 1/(1 - e). A working precision of 64 bits
+suffices at e = 0.99 and not at 0.999.
 """
 State = Sequence[arb]
 
@@ -45,8 +46,8 @@ class Orbit(ClosedForm):
     """The truth of an orbit: x, y [m] and vx, vy [m/s] at t; scalar period [s].
 
     The field is Kepler's with `gm` [m^3/s^2], or that of a spring with `stiffness` [1/s^2, unit
-    mass], which is None for Kepler's. `offset` is added to the start (x, y, vx, vy): a displaced
-    orbit has one that is not 0.
+    mass], which is None for Kepler's. `offset` is added to the start (x, y, vx, vy), and is not 0
+    for a displaced orbit.
     """
 
     method = "Kepler's equation by interval Newton; ellipse about the centre for the spring"
@@ -128,8 +129,8 @@ class Orbit(ClosedForm):
 def proof_of_s(stiffness: Fraction | None, eccentricity: Fraction) -> Sensitivity:
     """The proof of S, with the working precisions [bit] at which it is tried, in rising order.
 
-    On a long ellipse errors grow as a power of 1/(1 - e) at periapsis and shrink again.
-    Precisions at which nothing would be left of them are left out.
+    On an elongated ellipse errors grow as a power of 1/(1 - e) at periapsis and decrease again
+    afterwards. Precisions at which no significant bits would remain are left out.
     """
     if stiffness is not None:
         return Sensitivity()
@@ -144,6 +145,7 @@ def spring(stiffness: arb, start: State, t: arb) -> list[arb]:
     With w = sqrt(stiffness), for each of x and y: r = r0 cos w t + (v0/w) sin w t, v = v0 cos w t -
     r0 w sin w t.
     """
+    # r = r0 cos w t + (v0/w) sin w t,  v = v0 cos w t - r0 w sin w t
     rate = stiffness.sqrt()
     sine, cosine = (rate * t).sin_cos()
     position = [start[i] * cosine + start[i + 2] / rate * sine for i in (0, 1)]
@@ -158,13 +160,17 @@ def kepler(gm: arb, start: State, t: arb) -> list[arb]:
     -n a^2 sin E/(r r0) and g' = 1 - (a/r)(1 - cos E). Raises UndecidedError where the start is not
     proved to lie on an ellipse.
     """
+    # 1/a = 2/r0 - v0^2/gm,  n = sqrt(gm/a^3),  s = r0.v0/sqrt(gm a)
     x, y, vx, vy = start
     r0 = (x * x + y * y).sqrt()
     a = 1 / (2 / r0 - (vx * vx + vy * vy) / gm)
     n = (gm / a).sqrt() / a
     s = (x * vx + y * vy) / (gm * a).sqrt()
+    # E - (1 - r0/a) sin E + s (1 - cos E) = n t
     anomaly = anomaly_gain(n * t, 1 - r0 / a, s)
     sine, cosine = anomaly.sin_cos()
+    # f = 1 - (a/r0)(1 - cos E),  g = t - (E - sin E)/n
+    # f' = -n a^2 sin E/(r r0),   g' = 1 - (a/r)(1 - cos E)
     r = a + (r0 - a) * cosine + s * a * sine
     f = 1 - a / r0 * (1 - cosine)
     g = t - (anomaly - sine) / n
@@ -180,6 +186,7 @@ def sprung(stiffness: arb, ratio: arb, elapsed: arb) -> arb_mat:
     `ratio` [s]: w becomes w X/V, without a unit.
     """
     scaled_rate = stiffness.sqrt() * ratio
+    # r -> r cos + (v/(w X/V)) sin,  v -> v cos - (w X/V) r sin, in units of the scales X and V
     sine, cosine = (stiffness.sqrt() * elapsed).sin_cos()
     zero = arb(0)
     return arb_mat(
@@ -225,7 +232,10 @@ def ellipses(gm: arb, a: arb, e: arb, length: arb, speed: arb, t: arb) -> arb_ma
         value - 3 * t * rate / 2
         for value, rate in zip([x, y, -vx / 2, -vy / 2], shift, strict=True)
     ]
-    # At fixed time dE/de = s/d, db/de = -e/b and dd/de = e s dE/de - c.
+    # At fixed time dE/de = s/d, db/de = -e/b and dd/de = e s dE/de - c. So
+    #     dx/de = -a (s dE/de + 1),    dvx/de = -a n (c dE/de/d - s dd/de/d^2),
+    #     dy/de = a (db/de s + b c dE/de),
+    #     dvy/de = a n (db/de c/d - b s dE/de/d - b c dd/de/d^2).
     e_slope = s / d
     d_slope = e * s * e_slope - c
     wider_x = -a * s * e_slope - a
@@ -233,7 +243,8 @@ def ellipses(gm: arb, a: arb, e: arb, length: arb, speed: arb, t: arb) -> arb_ma
     wider_vx = -a * n * (c * e_slope / d - s * d_slope / (d * d))
     wider_vy = a * n * (-e / b * c / d - b * s * e_slope / d - b * c * d_slope / (d * d))
     wider = [wider_x, wider_y, wider_vx, wider_vy]
-    # (-y - vx/n, x - vy/n, -vy - ax/n, vx - ay/n)/e, where (1 - b)/e = e/(1 + b) cancels no digits.
+    # turn = (-y - vx/n, x - vy/n, -vy - ax/n, vx - ay/n)/e with x, y, vx, vy, ax, ay in c, s and d.
+    # All terms have a factor e, which is divided out; (1 - b)/e is computed as e/(1 + b).
     one_less_b = e / (1 + b)
     turn_x = a * s * (one_less_b + b * c) / d
     turn_y = a * ((one_less_b + e) * c - 1 - c * c) / d
@@ -264,8 +275,9 @@ def tidal(gm: arb, a: arb, e: arb, t: arb) -> float:
 
 
 def anomaly_gain(mean: arb, c: arb, s: arb) -> arb:
-    """The root E of Kepler's equation F(E) = E - c sin E + s (1 - cos E) = mean, for c^2 + s^2 < 1,
-    with its derivatives where these are dual.
+    """The root E of Kepler's equation F(E) = E - c sin E + s (1 - cos E) = mean, c^2 + s^2 < 1.
+
+    Where mean, c and s carry derivatives, so does the root.
     """
     anomaly = proved_root(ball(mean), ball(c), ball(s))
     sine, cosine = anomaly.sin_cos()
@@ -279,11 +291,11 @@ def proved_root(mean: arb, c: arb, s: arb) -> arb:
 
     Theorem (interval Newton): let X be a ball, E0 a point in it and N = E0 - (F(E0) - mean)/F'(X).
     If N lies inside X, then X holds exactly one root, and so does N. Here F' = r/a > 0 everywhere,
-    so that the root is the only one at all. E0 comes from Newton's method in floating point, which
-    proves nothing and need not. Raises UndecidedError if the orbit is not proved to be an ellipse,
+    so that there is no other root. E0 is an approximation by Newton's method, which needs no proof.
+    Raises UndecidedError if the orbit is not proved to be an ellipse,
     or N does not lie inside X.
     """
-    # Not c^2 + s^2 by its root: on a circle the ball of the sum reaches below 0.
+    # c^2 + s^2 is compared, not its square root: on a circle its ball contains negative numbers.
     if not c * c + s * s < 1:
         raise UndecidedError("the orbit is not proved to be an ellipse")
     point = _newton(mean.mid(), c.mid(), s.mid())
@@ -305,8 +317,9 @@ def _slope(anomaly: arb, c: arb, s: arb) -> arb:
 def _newton(mean: arb, c: arb, s: arb) -> arb:
     """An approximate root of Kepler's equation, not proved.
 
-    Bisection narrows |E - mean| <= 2 to a thousandth, from where Newton's method converges; it ends
-    when a step changes nothing any more.
+    |E - mean| = |c sin E - s (1 - cos E)| <= sqrt(2 - 2 cos E) <= 2, because c^2 + s^2 < 1. Twelve
+    bisections reduce this interval to a thousandth, from where Newton's method converges. It ends
+    when a step no longer changes the value.
     """
     low = mean - 2
     high = mean + 2

@@ -7,19 +7,19 @@ normal part; v1 = (m2/M)(v1 - v2), v2 = -(m1/M)(v1 - v2). `spins` are omega1 the
 axes. Moments of inertia 2/5 m R^2.
 
 Law, with overlap d = R1 + R2 - |r1 - r2|: normal force k d + c d'. cutoff zero_overlap: it acts,
-pulling too, until d = 0; zero_force: max(0, k d + c d'), so that from t = 2 al/w on the spheres fly
-freely, overlapping still for a while; `duration` is then the time at which the force ends. Friction
-of body i acts at the lever l_i = R_i (branch R), R_i - d (R-d) or R_i - d/2 (R-d/2) along the
-normal, for torque and for slip alike (branch slip-R: R_i for slip, R_i - d/2 for torque), and only
-while the normal force presses: the limit is
-friction x max(0, k d + c d').
+also where it is negative, until d = 0; zero_force: max(0, k d + c d'), so that in a head-on
+collision, with the frequency w and the decay rate b = c/(2 m) of the overlap, the spheres move
+freely from t = 2 atan(w/b)/w on, while they still overlap; `duration` is then the time at which the
+force ends. Friction of body i has the lever l_i = R_i (branch R), R_i - d (R-d) or R_i - d/2
+(R-d/2) along the normal, for torque and slip alike (branch slip-R: R_i for slip, R_i - d/2 for
+torque). The limit of friction is mu max(0, k d + c d').
 
-Proved: head-on (nothing slips, ever) in closed form; all else, with stick, slip and release, by
-validated integration from event to event; in Cartesian vectors where spins and friction turn the
-motion out of its plane (spatial_phases.py). Not certified: a slip, or a friction, that is too near
-a limit to tell on which side it is; out of the plane a slip that ends, and a clipped spring whose
-force fades. Scalars: duration and restitution (of the normal velocity; neither if an overlap never
-ends), max_overlap, max_force.
+Proved: head-on collisions without slip in closed form; all others, with stick, slip and release, by
+validated integration from event to event, in Cartesian vectors where spins and friction turn the
+motion out of its plane (spatial_phases.py). Not certified: a slip or a friction so near a limit
+that it is not decided on which side it is; out of the plane a slip that ends, and a spring at its
+limit where the normal force vanishes. Scalars: duration and restitution (of the normal velocity;
+neither if an overlap never ends), max_overlap, max_force.
 """
 
 from collections.abc import Sequence
@@ -111,7 +111,7 @@ class TwoSpheres(Collision):
         x, y, vx, vy, *spins_z = relative
         zero = arb(0)
         values: list[arb] = []
-        # The centre of mass rests: r1 = (m2/M) r, r2 = -(m1/M) r.
+        # The centre of mass is at rest: r1 = (m2/M) r, r2 = -(m1/M) r.
         for body, sign in ((0, 1), (1, -1)):
             share = arb_of(sign * self.spheres.masses[1 - body] / self.spheres.total_mass)
             position = [share * x, share * y, zero]

@@ -1,8 +1,8 @@
-"""A wedge that meets a wall with m d'' = -k2 d^2, turns at greatest overlap, and leaves with m d''
-= -k1 d: overlap d and its rate.
+"""A wedge that collides with a wall: m d'' = -k2 d^2 up to the largest overlap d_m, and m d'' = -k1
+d afterwards.
 
-In: d_m = (3 m v^2/(2 k2))^(1/3), time by the incomplete beta function. Out: d = d_m cos(w t), w^2 =
-k1/m, until d = 0.
+Approach: d_m = (3 m v^2/(2 k2))^(1/3), the time by the incomplete beta function. Separation: d =
+d_m cos(w t), w^2 = k1/m, until d = 0.
 """
 
 from collections.abc import Iterator, Mapping
@@ -89,7 +89,7 @@ class WedgeCollision(ClosedForm):
         return Growth(self.stretches(), Norm([1, 1]), step=narrow(self.rate()))
 
     def stretches(self) -> Iterator[Stretch]:
-        """The stretches of the motion: in by scaling, out and away by linear laws.
+        """The stretches of the motion: approach by scaling, separation and flight by linear laws.
 
         At the turn, v = 0, the acceleration jumps from a1 = -k2 d_m^2/m to a2 = -k1 d_m/m: an error
         of v, which shifts the time of the turn, is multiplied by a2/a1, an error of d by 1.
@@ -126,6 +126,7 @@ class WedgeCollision(ClosedForm):
 
     def constants(self) -> dict[str, arb]:
         """energy_change k1 d_m^2/2 - m v^2/2 [J], max_overlap d_m [m] and duration [s]."""
+        # Delta E = k1 d_m^2/2 - m v^2/2,  duration = half + pi/(2 w)
         contact, _ = self.approach()
         before = arb_of(self.mass * self.begin[1] ** 2 / 2)
         after = arb_of(self.k1 / 2) * contact.depth * contact.depth

@@ -1,4 +1,4 @@
-"""A mass on a shaft that turns: m z'' + (c_e + c_i) z' + (k - i c_i W) z = 0 with z = x + i y.
+"""A mass on a rotating shaft: m z'' + (c_e + c_i) z' + (k - i c_i W) z = 0 with z = x + i y.
 
 With 2 b = (c_e + c_i)/m, w0^2 = k/m and n = c_i W/m the roots are q = -b +- s, and
 
@@ -6,15 +6,15 @@ With 2 b = (c_e + c_i)/m, w0^2 = k/m and n = c_i W/m the roots are q = -b +- s, 
     C = exp(-b t) cosh s t,    D = exp(-b t) (sinh s t)/s,
     z = z0 (C + b D) + v0 D,   z' = v0 (C - b D) - (w0^2 - i n) z0 D.
 
-C and D are even in s, so that either root s serves; where both roots are the same, s = 0, which is
-decided in rationals, D = exp(-b t) t.
+C and D are even in s, so that either square root s can be taken. For a double root, s = 0, which
+is decided in rationals, D = exp(-b t) t.
 
-On the imaginary axis, q = i w: the real part of the polynomial is 0 for w = +-w0, the imaginary one
-for 2 b w = n. So one root crosses the axis at
+Border of stability: for q = i w on the imaginary axis the real part of the polynomial is 0 for w =
++-w0, and the imaginary part for 2 b w = n. So one root crosses the axis at
 
-    |W| = w0 (1 + c_e/c_i),
+    |W| = w0 (1 + c_e/c_i);
 
-where the other one, whose sum with it is -2 b, is at the left of it.
+the other root has the real part -2 b < 0 there, as the sum of both is -2 b.
 """
 
 from collections.abc import Mapping, Sequence
@@ -82,6 +82,7 @@ class WhirlingShaft(ClosedForm):
 
     def shapes(self, t: arb) -> tuple[acb, acb]:
         """The functions C and D [s] of the motion at time t."""
+        # C = exp(-b t) cosh s t,  D = exp(-b t) sinh(s t)/s, or exp(-b t) t for s = 0
         fade = (-arb_of(self.decay) * t).exp()
         if self.push == 0 and self.decay**2 == self.square:
             return acb(fade), acb(fade * t)
@@ -90,7 +91,8 @@ class WhirlingShaft(ClosedForm):
         return phase.cosh() * fade, phase.sinh() / s * fade
 
     def moved(self, t: arb) -> tuple[acb, acb, acb, acb]:
-        """What z0 and v0 are multiplied by at time t: z by z0, z by v0, v by z0, v by v0."""
+        """The factors of z0 and v0 in z and v at time t: (z by z0, z by v0, v by z0, v by v0)."""
+        # z = (C + b D) z0 + D v0,  z' = -(w0^2 - i n) D z0 + (C - b D) v0
         c, d = self.shapes(t)
         b = arb_of(self.decay)
         stiffness = acb(arb_of(self.square), -arb_of(self.push))
@@ -172,7 +174,7 @@ class WhirlingShaft(ClosedForm):
         return self.half_gap().real - arb_of(self.decay)
 
     def constants(self) -> dict[str, arb]:
-        """The growth rate [1/s], and the turning [rad/s] at the border if anything damps inside."""
+        """The growth rate [1/s], and with internal damping the rotation [rad/s] at the border."""
         constants = {"growth_rate": self.largest_real_part()}
         if self.inner_damping:
             # w0 (1 + c_e/c_i).

@@ -1,5 +1,5 @@
-"""Folds and doublings once more: folds as double roots of the balance's cubic in A^2, doublings by
-the change of sign of a multiplier plus 1 along a cycle that is followed in balls.
+"""Witness of folds and period doublings: folds as double roots of the harmonic balance's cubic in
+A^2, doublings as zeros of the multiplier plus 1 along a cycle.
 """
 
 from collections.abc import Mapping, Sequence
@@ -14,7 +14,7 @@ from refdem.truth.exact import number, numbers
 from refdem.truth.witnesses.cross_check import Claimed, Results, Witness
 
 BISECTIONS = 110
-"""Halvings of an interval of 1/8: more than the digits that are compared."""
+"""Halvings of an interval of 1/8: 2^-113, below the digits that are compared."""
 
 
 def bifurcations(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claimed) -> Results:
@@ -24,7 +24,7 @@ def bifurcations(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Cla
         said |= {f"{name}.{i}": value for i, value in enumerate(found)}
     said |= {f"drives.{i}": drive for i, drive in enumerate(drives(p))}
     eta = arb_of(number(p, "eta"))
-    # Both iterates have the sum 1 + 1/eta and the product (1 + 1/eta)/eta.
+    # The two iterates have the sum 1 + 1/eta and the product (1 + 1/eta)/eta: roots of a quadratic.
     mean = (1 + 1 / eta) / 2
     half = (mean * mean - 2 * mean / eta).sqrt()
     said |= {"two-cycle.0": mean + half, "two-cycle.1": mean - half}
@@ -42,22 +42,25 @@ def bifurcations(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Cla
 
 
 def share_below(x: Fraction) -> arb:
-    """The integral from 0 to x of the density 1/(pi sqrt(s (1 - s))) that the map at eta = 4 keeps:
-    it has the angle of the point (sqrt(1 - x), sqrt x) of the unit circle, twice, over pi.
+    """The share of the iterates below x at eta = 4.
+
+    It is the integral from 0 to x of the invariant density 1/(pi sqrt(s (1 - s))), which is (2/pi)
+    asin(sqrt(x)) = (2/pi) atan2(sqrt(x), sqrt(1 - x)).
     """
     angle = arb.atan2(arb_of(x).sqrt(), arb_of(1 - x).sqrt())
     return 2 * angle / arb.pi()
 
 
 def double_roots(p: Mapping[str, Exact]) -> list[list[arb]]:
-    """Drive and amplitude of both folds, the lower first, from a discriminant.
+    """Drive [rad/s] and amplitude [m] of both folds, the lower drive first.
 
-    That of the cubic in S
+    At a fold the discriminant of the cubic in S = A^2
 
         h^2 S^3 + 2 h g S^2 + (g^2 + d q) S - f0^2,   g = alpha - q, d = 4 delta^2, q = w^2,
 
-    vanishes, and its double root is (9 a e - b c)/(2 (b^2 - 3 a c)) of a S^3 + b S^2 + c S + e.
-    For a spring that softens there is a third one, of the largest amplitude, near its barrier.
+    vanishes, where h = 3 beta/4. The double root of a S^3 + b S^2 + c S + e is
+    (9 a e - b c)/(2 (b^2 - 3 a c)). A softening spring, h < 0, has a third solution of the largest
+    amplitude, near the potential barrier, which is left out.
     """
     values = {
         name: fmpq(value.numerator, value.denominator)
@@ -87,7 +90,7 @@ def double_roots(p: Mapping[str, Exact]) -> list[list[arb]]:
 
 
 def roots(polynomial: fmpq_poly) -> list[acb]:
-    """The roots, real and complex, each in a ball of its own."""
+    """The real and complex roots of a polynomial, in disjoint balls."""
     return [root for root, _ in cast("list[tuple[acb, int]]", polynomial.complex_roots())]
 
 
@@ -100,7 +103,10 @@ def _at(polynomial: fmpq_poly, x: arb) -> arb:
 
 
 def drives(p: Mapping[str, Exact]) -> list[arb]:
-    """Both drives of an amplitude: roots of the quadratic (k - q)^2 + 4 delta^2 q = f0^2/A^2."""
+    """Both drives [rad/s] of an amplitude A: roots q = w^2 of a quadratic.
+
+    (k - q)^2 + 4 delta^2 q = f0^2/A^2 with k = alpha + 3 beta A^2/4.
+    """
     values = {
         name: fmpq(value.numerator, value.denominator)
         for name, value in numbers(p, "amplitude", "alpha", "beta", "delta", "f0").items()
@@ -113,8 +119,9 @@ def drives(p: Mapping[str, Exact]) -> list[arb]:
 
 
 def doubling(period: int, low: Fraction) -> arb:
-    """The parameter in [low, low + 1/8] at which the multiplier of the stable cycle falls below -1:
-    halved where its sign plus 1 changes.
+    """The eta in [low, low + 1/8] at which the multiplier of the stable cycle becomes less than -1.
+
+    It is found by bisection of the sign of the multiplier plus 1.
     """
     high = low + Fraction(1, 8)
     for _ in range(BISECTIONS):
@@ -127,10 +134,10 @@ def doubling(period: int, low: Fraction) -> arb:
 
 
 def multiplier(eta: Fraction, period: int) -> arb:
-    """The product of the slopes eta (1 - 2 x) along the cycle next to which 1/2 comes."""
+    """The multiplier of the cycle that attracts x = 1/2: the product of eta (1 - 2 x) along it."""
     parameter = arb_of(eta)
     x = arb(1) / 2
-    # Newton's method from an iterate that has come near to the cycle.
+    # Iterates of 1/2 approach the cycle; then Newton's method for f^period(x) - x = 0.
     for _ in range(64 * period):
         x = _middle(parameter * x * (1 - x))
     for _ in range(12):
@@ -140,7 +147,7 @@ def multiplier(eta: Fraction, period: int) -> arb:
 
 
 def _image(eta: arb, x: arb, period: int) -> tuple[arb, arb]:
-    """The iterate of x after a period, and its derivative by x."""
+    """The iterate of x after `period` steps of the map, and its derivative by x."""
     slope = arb(1)
     for _ in range(period):
         slope = slope * eta * (1 - 2 * x)
@@ -149,7 +156,7 @@ def _image(eta: arb, x: arb, period: int) -> tuple[arb, arb]:
 
 
 def _middle(ball: arb) -> arb:
-    """The middle of a ball: what is followed is a number, and not what encloses one."""
+    """The midpoint of a ball, without its radius."""
     middle: arb = ball.mid()
     return middle
 

@@ -1,7 +1,7 @@
-"""Witness of a sphere that bounces on a plane under gravity: every flight to the next zero of the
-height by bisection, every impact from a linear system (rigid_impacts.py).
+"""Witness of a sphere that bounces on a plane under gravity: the end of each flight by bisection of
+the height, every impact from a linear system (rigid_impacts.py).
 
-Nothing of the truth is used: neither the law of the times nor that of the speeds.
+The closed forms of the truth for times and speeds are not used.
 """
 
 from collections.abc import Mapping, Sequence
@@ -40,7 +40,7 @@ class Flight:
         self.told: dict[str, arb] = {}
 
     def next_bounce(self) -> arb:
-        """The time of the next zero of h + v_y s - g s^2/2, by bisection after its maximum."""
+        """The time of the next zero of h + v_y s - g s^2/2, bisected after the apex v_y/g."""
         upwards = self.sphere.v[1]
 
         def above(t: arb) -> arb:
@@ -68,10 +68,10 @@ class Flight:
         return place, velocity
 
     def strike(self, when: arb) -> None:
-        """Moves to the bounce, and solves it."""
+        """Advances the sphere to the time `when` of the bounce, and solves the impact."""
         self.sphere.r, self.sphere.v = self.moved(when)
         self.now = when
-        # The impact is where the sphere touches.
+        # The height is measured from the lowest point of the sphere.
         self.height = arb(0)
         self.bounces += 1
         name = f"impact_{self.bounces}"
@@ -110,8 +110,8 @@ def bouncing_ball(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Cl
         )
     scalars = {"first_bounce": first, **flight.told}
     if e < 1:
-        # Each flight is e times as long as the one before: the sum of their lengths from this one
-        # on is length/(1 - e).
+        # Each flight after a bounce is e times as long as the one before. Their durations from this
+        # one on have the sum length/(1 - e).
         ended = flight.now
         length = coming - ended
         if flight.bounces == 0:

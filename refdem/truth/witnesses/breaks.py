@@ -1,9 +1,9 @@
-"""Witness of a break of billiards: after each impact the gaps of all pairs are followed anew to
-their narrowest, and the first to close is found by bisection; every impact is a linear system
+"""Witness of a break of billiards: after each impact the time at which each pair touches is found
+by bisection of its gap, and the earliest one is taken; every impact is a linear system
 (rigid_impacts.py).
 
-Nothing of the truth is used: neither its quadratic for the times nor its impulses in closed form.
-Midpoints alone are carried on, so that nothing is proved.
+Neither the quadratic equation of the truth for the times nor its closed form of the impulses is
+used. Only midpoints of balls are carried from impact to impact, so that nothing is proved.
 """
 
 from collections.abc import Mapping, Sequence
@@ -34,7 +34,7 @@ METHOD = (
 
 
 class Table:
-    """Cue ball and rack at the time `now` [s], and what was seen of their impacts."""
+    """Cue ball and rack at the time `now` [s], and the scalars `told` of the impacts so far."""
 
     def __init__(self, p: Mapping[str, Exact]) -> None:
         masses = [arb_of(x) for x in vector(p, "masses")]
@@ -50,7 +50,7 @@ class Table:
         pitch = 2 * radii[1] + arb_of(number(p, "gap"))
         across = -pitch / 2
         for count in range(1, int(number(p, "rows")) + 1):
-            # A row lies 7/8 of the pitch behind the one before it, and begins half a pitch lower.
+            # Row k = count - 1 = 0, 1, ... has x = 7/8 k pitch and y = (j - k/2) pitch, j = 0..k.
             depth = (count - 1) * pitch * 7 / 8
             across = pitch * (1 - count) / 2
             for k in range(count):
@@ -63,14 +63,15 @@ class Table:
         self.told: dict[str, arb] = {}
 
     def closing_after(self, first: Sphere, second: Sphere) -> arb | None:
-        """The wait [s] until two balls touch; None if they pass each other or part."""
+        """The time [s] until two spheres touch; None if they do not approach or pass each other."""
         apart = [b - a for a, b in zip(first.r, second.r, strict=True)]
         relative = [b - a for a, b in zip(first.v, second.v, strict=True)]
         square = along(relative, relative)
         approach = -along(apart, relative)
         if not approach > 0:
             return None
-        # The centres are nearest where d.w + w^2 t = 0.
+        # With d = r2 - r1 and w = v2 - v1 the centres are nearest at t = -(d . w)/w^2. The gap
+        # |d + w t| - R1 - R2 decreases up to there.
         nearest = (approach / square).mid()
         reach = first.radius + second.radius
 
@@ -83,7 +84,7 @@ class Table:
         return meeting(gap, nearest)
 
     def next_impact(self) -> tuple[arb, int, int] | None:
-        """The time and the numbers of the two balls that touch first."""
+        """The time [s] and the numbers of the two spheres that touch first; None if none do."""
         first = None
         for i, j in combinations(range(len(self.balls)), 2):
             wait = self.closing_after(self.balls[i], self.balls[j])
@@ -94,7 +95,7 @@ class Table:
         return self.now + first[0], first[1], first[2]
 
     def strike(self, when: arb, i: int, j: int) -> None:
-        """Moves all to the impact of balls i and j, and solves it."""
+        """Advances all spheres to the time `when`, and solves the impact of spheres i and j."""
         elapsed = when - self.now
         for ball in self.balls:
             ball.r = middles(ball.at(elapsed))
@@ -105,6 +106,7 @@ class Table:
         normal = [x / distance for x in branch]
         self.impacts += 1
         name = f"impact_{self.impacts}"
+        # The closing speed (v_i - v_j) . n, with n = (r_j - r_i)/|r_j - r_i|.
         closing = along(pair[0].v, normal) - along(pair[1].v, normal)
         self.told[name] = when
         self.told[f"{name}_closing"] = closing
@@ -129,7 +131,7 @@ def middles(triple: Triple) -> Triple:
 
 
 def billiard_break(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claimed) -> Results:
-    """The states at the times, then the scalars."""
+    """The states at the times, then the scalars of all impacts, including later ones."""
     table = Table(p)
     before = table.energy()
     coming = table.next_impact()

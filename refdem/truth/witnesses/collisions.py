@@ -1,10 +1,11 @@
-"""Witnesses of colliding spheres: Newton's law in Cartesian vectors, phase by phase; switches by
-sign changes on a grid and the secant.
+"""Witnesses of colliding spheres: Newton's law in Cartesian vectors, phase by phase; the ends of
+phases by sign changes on a grid and the secant method.
 
-Geometry of a contact in the plane: r = r1 - r2, e = r/|r| the normal, t the tangent, e turned by
-+90 degrees; d = R1 + R2 - |r| the overlap, v_e and v_t the components of v = r'. The normal force
-on body 1 is F = k d - c v_e along e; friction f on body 1 acts along t. Slip has the levers l_i =
-R_i - beta d, beta = 0, 1/2 or 1, and the torque of friction L_i alike.
+Geometry of a contact in the plane: r = r1 - r2; the normal e = r/|r|; the tangent t = (-e_y, e_x),
+which is e turned by +90 degrees; the overlap d = R1 + R2 - |r|; v_e and v_t the components of v =
+r' along e and t. The normal force on body 1 is F = k d - c v_e along e, and friction f on body 1
+acts along t. The slip is v_t - l1 omega1 - l2 omega2 with the levers l_i = R_i - beta d, beta = 0,
+1/2 or 1. The torque of friction on body i is -L_i f, with levers L_i of the same form.
 
 Phases: "free" (no friction), "slip+" and "slip-" (the sign of the slip; |f| = mu F), "stick" (the
 spring is stretched, k_t > 0) and "hold" (the slip is kept at 0, k_t = 0). "apart" ends the contact.
@@ -38,13 +39,11 @@ Value = Callable[[Sequence[Any]], Any]
 
 
 class Colliding(ABC):
-    """A contact under the linear law, phase by phase: its forces, what ends a phase, and what
-    follows.
+    """A contact under the linear law: forces in each phase, the end of a phase, and the next one.
 
-    The state is x, y, vx, vy of r1 - r2, the two spins about z and the stretch of the tangential
-    spring, if a class says nothing else. The torque of friction f on each body is -l_i f. `reach`
-    is R1 + R2; `pulls` is true if the normal force may pull, so that the contact ends with the
-    overlap and not with the force.
+    Unless a class states another one, the state is x, y, vx, vy of r1 - r2, the spins omega1 and
+    omega2 about z, and the stretch of the tangential spring. `reach` is R1 + R2. `pulls` is true
+    if the normal force may be negative, so that the contact ends where d = 0 and not where F = 0.
     """
 
     k: arb
@@ -60,11 +59,11 @@ class Colliding(ABC):
 
     @abstractmethod
     def slip(self, s: Sequence[Any]) -> Any:
-        """The velocity of surface 1 against surface 2 along t."""
+        """The velocity [m/s] of surface 1 relative to surface 2 along t."""
 
     @abstractmethod
     def holding(self, s: Sequence[Any]) -> Any:
-        """The friction f with which slip' = 0."""
+        """The friction f [N] for which slip' = 0."""
 
     @abstractmethod
     def growth(self, s: Sequence[Any]) -> Any:
@@ -76,7 +75,7 @@ class Colliding(ABC):
 
     @abstractmethod
     def field(self, friction: Value) -> Callable[[Any, Sequence[Any]], list[Any]]:
-        """The field (t, state) -> rates under a law of friction."""
+        """The right-hand side (t, state) -> state' under a law of friction."""
 
     @abstractmethod
     def after(self, phase: str, then: str, s: Sequence[arb]) -> tuple[str, list[arb]]:
@@ -91,7 +90,10 @@ class Colliding(ABC):
         return self.reach - self.geometry(s)[2]
 
     def plain_law(self, phase: str) -> Value:
-        """Friction in a phase of a state whose seventh number is the stretch."""
+        """Friction in a phase, for a state whose component 6 is the stretch of the spring.
+
+        stick: f = -k_t stretch; hold: the f with slip' = 0; free: f = 0; slip+-: f = -+mu F.
+        """
         if phase == "slip-":
             side = -1
         else:
@@ -104,20 +106,24 @@ class Colliding(ABC):
         return laws.get(phase, lambda s: -side * self.mu * self.force(s))
 
     def margin(self, phase: str, side: int, s: Sequence[Any]) -> Any:
-        """The margin mu F + side f of friction to its limit, beyond which it slips to that side."""
+        """How far friction is from its limit on a side, mu F + side f; where it is 0, it slips.
+
+        Friction acts against the slip: at the start of a slip to the side +1, f = -mu F.
+        """
         return self.mu * self.force(s) + side * self.law(phase)(s)
 
     def ends(self, phase: str) -> dict[str, Value]:
         """The functions that are positive within a phase, by the name of what follows their zero.
 
-        "caught" is the end of a slip: of its velocity (k_t = 0), or, with a spring, where mu F
-        grows as fast as the slip would stretch the spring beyond it.
+        "caught" is the end of a slip. Without a spring it is where the slip is 0. With a spring
+        the stretch follows its limit side mu F/k_t as long as the slip is faster than the limit
+        grows, side k_t slip > mu dF/dt.
         """
         if phase in ("stick", "hold"):
             return {
                 f"slip{sign}": partial(self.margin, phase, side) for sign, side in SIDES.items()
             }
-        # Friction needs a force that presses; one that may pull lasts to the end of the overlap.
+        # Without friction the contact lasts while F > 0, or, if F may pull, while d > 0.
         if phase == "free":
             if self.pulls:
                 return {"apart": self.overlap}
@@ -134,7 +140,7 @@ class Colliding(ABC):
         return {"caught": excess, "apart": self.force}
 
     def begin(self, s: Sequence[arb]) -> str:
-        """The name of the phase that begins in state s, at touch."""
+        """The name of the phase that begins in state s, at first touch."""
         slip = self.slip(s)
         force = self.force(s)
         if not self.mu > 0:
@@ -142,11 +148,11 @@ class Colliding(ABC):
         has_spring = self.kt > 0
         has_slip = slip > 0 or slip < 0
         if has_spring and (not has_slip or force > 0):
-            # The spring is not stretched yet, so that it is inside its limit.
+            # The stretch is 0 at first touch, below the limit mu F/k_t.
             return "stick"
         if not has_slip:
             return self._held_or_slipping(s)
-        # With F = 0 the rates decide: the spring's k_t slip against that of the limit.
+        # With F = 0 force and limit are both 0, and their rates decide: k_t |slip| > mu dF/dt.
         slides = not has_spring or self.kt * abs(slip) > self.mu * self.growth(s)
         if not slides:
             return "stick"
@@ -155,9 +161,10 @@ class Colliding(ABC):
         return "slip-"
 
     def _held_or_slipping(self, s: Sequence[arb]) -> str:
-        """The phase of a contact without slip or spring: held if friction suffices.
+        """The phase of a contact without slip and without a spring.
 
-        Else the force that would be needed says to which side it slips.
+        It holds if the friction f with slip' = 0 has |f| < mu F. Otherwise it slips to the side
+        opposite to that force.
         """
         needed = self.holding(s)
         if abs(needed) < self.mu * self.force(s):
@@ -167,10 +174,10 @@ class Colliding(ABC):
         return "slip+"
 
     def caught_or_slipped(self, phase: str, then: str, s: Sequence[arb]) -> tuple[str, list[arb]]:
-        """`after` for a state whose seventh number is the stretch.
+        """`after` for a state whose component 6 is the stretch of the spring.
 
-        A spring that is caught begins at its limit; without a spring a slip that comes to 0 holds,
-        or goes on to the other side.
+        With a spring the stick begins at the limit, k_t stretch = +-mu F. Without one a slip that
+        reaches 0 holds if friction suffices, and otherwise continues to the other side.
         """
         if then != "caught":
             return then, list(s)
@@ -182,15 +189,16 @@ class Colliding(ABC):
 
 
 class Spheres(Colliding):
-    """Two free spheres that touch, of the parameters of the case two-spheres."""
+    """Two free spheres in contact, from the parameters of the case two-spheres."""
 
     def __init__(self, p: Mapping[str, Any]) -> None:
         masses = [arb_of(mass) for mass in p["masses"]]
         self.radii = [arb_of(radius) for radius in p["radii"]]
         self.reach = self.radii[0] + self.radii[1]
+        # J_i = 2/5 m_i R_i^2, and the effective mass m = m1 m2/(m1 + m2).
         self.moments = [m * r * r * 2 / 5 for m, r in zip(masses, self.radii, strict=True)]
         self.mass = masses[0] * masses[1] / (masses[0] + masses[1])
-        # beta of the slip, and that of the torque.
+        # beta of the levers of the slip and of the torque; "slip-R" has 0 and 1/2.
         branch = str(p["branch"])
         self.beta = {"R": arb(0), "R-d/2": arb(1) / 2, "R-d": arb(1), "slip-R": arb(0)}[branch]
         self.torque_beta = self.beta
@@ -201,6 +209,7 @@ class Spheres(Colliding):
         self.pulls = p["cutoff"] == "zero_overlap" and p["damping"] > 0
 
     def geometry(self, s: Sequence[Any]) -> tuple[Any, Any, Any, Any, Any, Any]:
+        # e = r/|r|,  v_e = v . e,  v_t = v . (-e_y, e_x),  F = k (R1 + R2 - |r|) - c v_e
         x, y, vx, vy = s[:4]
         distance = (x * x + y * y).sqrt()
         ex = x / distance
@@ -219,32 +228,35 @@ class Spheres(Colliding):
         return [radius - self.torque_beta * (self.reach - distance) for radius in self.radii]
 
     def slip(self, s: Sequence[Any]) -> Any:
-        """The slip v_t - l1 w1 - l2 w2 of the surfaces."""
+        """The slip v_t - l1 omega1 - l2 omega2 of the surfaces [m/s]."""
         _, _, distance, _, across, _ = self.geometry(s)
         first, second = self.levers(distance)
         return across - first * s[4] - second * s[5]
 
     def holding(self, s: Sequence[Any]) -> Any:
-        """The f with slip' = 0, which is linear in f.
+        """The friction f with slip' = 0 [N].
 
-        slip' = f/m - v_e v_t/|r| - beta v_e (w1 + w2) + f (l1 L1/J1 + l2 L2/J2).
+        slip' = f/m - v_e v_t/|r| - beta v_e (omega1 + omega2) + f (l1 L1/J1 + l2 L2/J2), because
+        v_t' = a . t - v_e v_t/|r|, l_i' = beta v_e and omega_i' = -L_i f/J_i.
         """
         _, _, distance, along, across, _ = self.geometry(s)
+        # 1/m + l1 L1/J1 + l2 L2/J2
         inverse_mass = 1 / self.mass + sum(
             lever * torque_lever / moment
             for lever, torque_lever, moment in zip(
                 self.levers(distance), self.torque_levers(distance), self.moments, strict=True
             )
         )
+        # f = (v_e v_t/|r| + beta v_e (omega1 + omega2))/(1/m + l1 L1/J1 + l2 L2/J2)
         return (along * across / distance + self.beta * along * (s[4] + s[5])) / inverse_mass
 
     def growth(self, s: Sequence[Any]) -> Any:
-        """dF/dt = k d' + c d'' with d' = -v_e and d'' = -F/m - v_t^2/|r|."""
+        """dF/dt = k d' + c d'' [N/s] with d' = -v_e and d'' = -v_e' = -F/m - v_t^2/|r|."""
         _, _, distance, along, across, force = self.geometry(s)
         return -self.k * along - self.c * (force / self.mass + across * across / distance)
 
     def field(self, friction: Value) -> Callable[[Any, Sequence[Any]], list[Any]]:
-        """r' = v, m v' = F e + f t, J_i w_i' = -L_i f, stretch' = slip; m is the effective mass."""
+        """r' = v, m v' = F e + f t, J_i omega_i' = -L_i f, stretch' = slip; m effective."""
 
         def rates(t: Any, s: Sequence[Any]) -> list[Any]:
             ex, ey, distance, _, _, force = self.geometry(s)
@@ -273,7 +285,8 @@ OTHER_SLIP = {"slip+": "slip-", "slip-": "slip+"}
 def phases(pair: Colliding, start: Sequence[arb], longest: float) -> Iterator[tuple[Solution, arb]]:
     """Each phase of a contact as its solution, and the time [s] at which it ends.
 
-    Phases are followed until the bodies part, or no switch is found in the time `longest` [s].
+    The last phase ends where the bodies separate. A phase without an end before 1.1 `longest` [s]
+    is not yielded.
     """
     phase = pair.begin(start)
     s = list(start)
@@ -292,10 +305,11 @@ def phases(pair: Colliding, start: Sequence[arb], longest: float) -> Iterator[tu
 def first_switch(
     solution: Solution, values: Mapping[str, Value], begin: float, longest: float
 ) -> tuple[str, arb] | None:
-    """The name and the time of the first function that falls through zero; None if none does.
+    """The name and the time of the first function that falls below 0; None if none does.
 
-    The times are searched in steps that grow (GRID); a zero is refined by the secant.
+    The functions are sampled in steps that grow (GRID), and a zero is refined by the secant method.
     """
+    # A function may be 0 at `begin` itself: the search starts 2^-12 of a grid step later.
     low = begin + longest / GRID / 4096
     step = longest / GRID / 4096
     while low < 1.1 * longest:
@@ -315,11 +329,11 @@ def first_switch(
 
 
 def two_spheres(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claimed) -> Results:
-    """Two spheres, in the plane of their relative motion; those that turn out of it are left to
-    spinning_pair.py.
+    """Two spheres in the plane of their relative motion.
 
-    The centre of mass rests, so that r1 = m2/(m1 + m2) r and r2 = -m1/(m1 + m2) r. Nothing is said
-    of a contact in the plane that never ends.
+    The centre of mass is at rest: r1 = m2/(m1 + m2) r and r2 = -m1/(m1 + m2) r. Spheres whose
+    friction does not act in this plane are left to spinning_pair.py. A contact in the plane that
+    never ends has no `duration`, and no values are given for it.
     """
     spins = vector(p, "spins")
     masses = vector(p, "masses")
@@ -334,6 +348,7 @@ def two_spheres(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Clai
     sine, cosine = arb_of(number(p, "angle")).sin_cos()
     position = [-pair.reach, arb(0)]
     velocity = [speed * cosine, speed * sine]
+    # x, y, vx, vy of r1 - r2 at first touch, omega1_z, omega2_z, stretch.
     start = [*position, *velocity, arb_of(spins[2]), arb_of(spins[5]), arb(0)]
     contact = list(phases(pair, start, float(claimed["duration"])))
     if not contact:
@@ -347,7 +362,7 @@ def two_spheres(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Clai
             state = flown(last, arb_of(t) - end)
         quantities = {"omega1.z": state[4], "omega2.z": state[5]}
         for body in (0, 1):
-            # Friction is in the plane: these spins do not change.
+            # Friction lies in the plane, so that its torque has no x and y components.
             for i, axis in enumerate("xy"):
                 quantities[f"omega{body + 1}.{axis}"] = arb_of(spins[3 * body + i])
         for body, sign in ((1, 1), (2, -1)):
@@ -367,26 +382,27 @@ def during(contact: Sequence[tuple[Solution, arb]], time: arb) -> list[arb] | No
 
 
 def flown(s: Sequence[arb], t: arb) -> list[arb]:
-    """The state after a free flight of time t."""
+    """The state after a free flight of time t [s]: (x + vx t, y + vy t), the rest unchanged."""
     return [s[0] + s[2] * t, s[1] + s[3] * t, *s[2:]]
 
 
 def pressed(mass: arb, stiffness: arb, exponent: Fraction, speed: arb) -> tuple[Solution, arb]:
     """The motion m d'' = -k d^n from touch as a curve (w, v, t) in s, and the s at which v = 0.
 
-    With w = sqrt(d) and dt = 2 w ds everything is analytic at touch: dw/ds = v, dv/ds = -(2 k/m)
-    w^(2 n + 1), dt/ds = 2 w.
+    The substitution d = w^2, dt = 2 w ds makes the equations analytic at d = 0 where 2 n is an
+    integer: dw/ds = v, dv/ds = -(2 k/m) w^(2 n + 1), dt/ds = 2 w.
     """
     power = int(2 * exponent + 1)
 
     def field(s: Any, y: Sequence[Any]) -> list[Any]:
+        # w^(2 n + 1) by repeated multiplication.
         w_power = y[0]
         for _ in range(power - 1):
             w_power = w_power * y[0]
         return [y[1], -2 * stiffness / mass * w_power, 2 * y[0]]
 
     curve = Solution(field, [arb(0), speed, arb(0)])
-    # Any small step finds where v changes its sign; the crossing is refined from there.
+    # The step needs no precise size: it brackets the zero of v, which is refined afterwards.
     step = float((mass / stiffness / speed).mid()) ** (1 / (power + 1)) / 8
     high = step
     while curve.at(arb(high))[1] > 0:
@@ -397,7 +413,8 @@ def pressed(mass: arb, stiffness: arb, exponent: Fraction, speed: arb) -> tuple[
 def at_time(curve: Solution, turn: arb, t: arb) -> tuple[arb, arb]:
     """The overlap and its rate at time t [s] since touch, from the curve (w, v, t) of `pressed`.
 
-    The s of the time is found by bisection, then the secant; t may lie a little beyond the turn.
+    The s at which the time is t is found by bisection, then by the secant method. t may lie a
+    little after the time of the largest overlap.
     """
     low = 0.0
     high = float(turn) * 1.01
@@ -414,15 +431,17 @@ def at_time(curve: Solution, turn: arb, t: arb) -> tuple[arb, arb]:
 
 
 def hertz(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claimed) -> Results:
-    """Hertz's spheres: the motion in to the turn, and the same run back on the way out."""
+    """Hertz's spheres: the motion up to the largest overlap, and its time reversal afterwards."""
     mass, stiffness, speed = (
         arb_of(number(p, name)) for name in ("effective_mass", "stiffness", "closing_speed")
     )
     curve, turn = pressed(mass, stiffness, Fraction(3, 2), speed)
+    # With v = 0 at w: d_max = w^2, F_max = k w^3, and the duration is twice the time of the turn.
     w, _, half = curve.at(turn)
     yield None, {"duration": 2 * half, "max_overlap": w * w, "max_force": stiffness * w * w * w}
     for t in times:
         time = arb_of(t)
+        # d(t) = d(t_c - t) and v(t) = -v(t_c - t), t_c being the duration.
         until_end = 2 * half - time
         if until_end < 0:
             yield t, {"overlap": speed * until_end, "v": -speed}
@@ -435,17 +454,18 @@ def hertz(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claimed) -
 
 
 def wedge(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claimed) -> Results:
-    """The collision with a wedge: in with the force k2 d^2, out with k1 d."""
+    """The collision with a wedge: m d'' = -k2 d^2 in approach, m d'' = -k1 d in separation."""
     mass, k1, k2, speed = (
         arb_of(number(p, name)) for name in ("mass", "k1", "k2", "closing_speed")
     )
     curve, turn = pressed(mass, k2, Fraction(2), speed)
     w, _, half = curve.at(turn)
-    # Times of the way out count from the turn; it lasts a quarter period, about pi/2 sqrt(m/k1).
+    # Separation is a quarter period pi/2 sqrt(m/k1); its time starts at the largest overlap.
     out = Solution(lambda t, y: [y[1], -k1 / mass * y[0]], [w * w, arb(0)])
     quarter_period = 1.5708 * float((mass / k1).sqrt())
     end = out.crossing(lambda y: y[0], quarter_period, quarter_period / 16)
     rebound = out.at(end)[1]
+    # Delta E = m/2 (v_out^2 - v_in^2)
     energy_change = mass / 2 * (rebound * rebound - speed * speed)
     yield (
         None,
@@ -463,8 +483,7 @@ def wedge(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claimed) -
 
 
 def tent(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claimed) -> Results:
-    """The asymmetric field: a force that is linear between the edges x1, 0 and x2, from edge to
-    edge.
+    """The asymmetric field: a force that is linear in x between the edges x1, 0 and x2.
 
     The regions 0 to 3 lie left of x1, between x1 and 0, between 0 and x2, and right of x2. The
     force rises from 0 at x1 with the slope k1 and falls to 0 at x2 with k1 x1/x2 (x1 < 0).
@@ -476,11 +495,12 @@ def tent(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claimed) ->
     state = [arb_of(x0), arb_of(v0)]
     region = sum(x0 > edge or (x0 == edge and v0 > 0) for edge in edges)
     slopes = (Fraction(0), k1, k1 * x1 / x2, Fraction(0))
+    # The work from x1 to x2 is the area of a triangle of height -k1 x1 on the base x2 - x1.
     yield None, {"work": arb_of(-k1 * x1 / 2) * arb_of(x2 - x1)}
     step = float((mass / max(k1, -slopes[2])) ** Fraction(1)) ** 0.5 / 16
     while waiting:
         slope = slopes[region] / mass
-        # Where the line of the force is 0.
+        # The force is slope (x - zero): zero is x1 on the left of 0 and x2 on the right.
         if region == 1:
             zero = edges[0]
         else:

@@ -1,5 +1,5 @@
-"""Witnesses of motions in phases: each phase by Taylor integration, its end where a function of the
-state vanishes, by the secant.
+"""Witnesses of motions in phases: each phase by Taylor integration; the end of a phase is a zero of
+a function of the state, found by the secant method or bisection.
 """
 
 import math
@@ -26,8 +26,8 @@ SCAN = 1 / 64
 def coulomb(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claimed) -> Results:
     """The Coulomb oscillator m x'' = -k x - f sgn(v), from turning point to turning point.
 
-    It ends where k|x| <= f at a turning point: friction holds the mass there. A start with a
-    velocity has a first phase of its own, up to its first turning point.
+    The mass stops at the first turning point with k|x| <= f. If v0 is not 0, the phase up to the
+    first turning point comes first.
     """
     exact = numbers(p, "mass", "stiffness", "friction_force", "x0", "v0")
     m, k, f = (arb_of(exact[name]) for name in ("mass", "stiffness", "friction_force"))
@@ -49,7 +49,8 @@ def coulomb(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claimed)
             yield t, dict(zip(("x", "v"), phase.at(t), strict=True))
         x = phase.at(begin)[0]
     while f < k * abs(x) and waiting:
-        # From a turning point it moves towards the centre: friction points away from it.
+        # From a turning point the mass moves towards x = 0, so that the friction is f sgn(x). The
+        # next turning point is half a period pi sqrt(m/k) later.
         if x > 0:
             friction = f
         else:
@@ -74,12 +75,16 @@ def rubbing(friction: arb, k: arb, m: arb, t: Any, y: Sequence[Any]) -> list[Any
 
 
 def slope(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claimed) -> Results:
-    """A block on a slope: s'' = g (sin - mu cos) if that is positive; else it stays at rest."""
+    """A block on a slope of angle a: s'' = g (sin a - mu cos a) if that is positive, else s'' = 0.
+
+    The slope is given by `angle` = a [rad], or by `slope` = tan a.
+    """
     gravity = arb_of(number(p, "gravity"))
     friction = arb_of(number(p, "friction"))
     if p["angle"] is not None:
         sine, cosine = arb_of(number(p, "angle")).sin_cos()
     else:
+        # cos a = 1/sqrt(1 + tan^2 a),  sin a = tan a cos a
         tangent = arb_of(number(p, "slope"))
         cosine = 1 / (1 + tangent * tangent).sqrt()
         sine = tangent * cosine
@@ -99,15 +104,17 @@ def falling(acceleration: arb, t: Any, y: Sequence[Any]) -> list[Any]:
 def hertz(p: Mapping[str, Any], times: Sequence[Fraction], claimed: Claimed) -> Results:
     """Hertz's spheres, d'' = -(k/m) d^(3/2), as a curve (w, v, t) in s; free flight afterwards.
 
-    With d = w^2 and dt = w ds everything is smooth at touch: dw/ds = v/2, dv/ds = -(k/m) w^4. The
-    contact ends where w = 0 again, and is deepest where v = 0.
+    The substitution d = w^2, dt = w ds makes the equations analytic at d = 0: dw/ds = v/2, dv/ds =
+    -(k/m) w^4, dt/ds = w. The contact ends where w = 0 again; the overlap is largest where v = 0.
     """
     mass, stiffness, speed = (
         arb_of(p[name]) for name in ("effective_mass", "stiffness", "closing_speed")
     )
     k_over_m = stiffness / mass
     curve = Solution(partial(pressed, k_over_m), [arb(0), speed, arb(0)])
-    # About the s of the contact, which is searched in eighths of that.
+    # The contact lasts over a range of s of the size w_max/v0: w_max = (5 m v0^2/(4 k))^(1/5), as
+    # m v0^2/2 = (2/5) k d_max^(5/2). The end, w < 0, is searched in eighths of 2 v0^(-3/5) (5 m/(4
+    # k))^(1/5).
     scale = float(speed) ** -0.2 * (1.25 / float(k_over_m)) ** 0.2 * 2 / float(speed) ** 0.4
     last = next(n for n in range(1, 400) if curve.at(Fraction(scale * n / 8))[0] < 0)
     end = curve.bisected(lambda y: y[0], scale * (last - 1) / 8, scale * last / 8)
@@ -126,26 +133,28 @@ def hertz(p: Mapping[str, Any], times: Sequence[Fraction], claimed: Claimed) -> 
 
 
 def pressed(k_over_m: arb, s: Any, y: Sequence[Any]) -> list[Any]:
-    """The rates of (w, v, t) by s: v/2, -(k/m) w^4 and w."""
+    """The derivatives of (w, v, t) by s: v/2, -(k/m) w^4 and w."""
     w, v, _ = y
     squared = w * w
     return [v / 2, -k_over_m * squared * squared, w]
 
 
 def beyond(index: int, mark: arb, y: Sequence[arb]) -> arb:
-    """A component of the state less a mark."""
+    """The component `index` of the state minus `mark`."""
     return y[index] - mark
 
 
 def asymmetric(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claimed) -> Results:
-    """The asymmetric field: the force k1 (x - x1) on the left of 0, k1 |x1| (x2 - x)/x2 on the
-    right, nothing outside x1 < x < x2.
+    """The asymmetric field: a force that is linear in x between the edges x1 < 0, 0 and x2 > 0.
 
-    Phase by phase; a phase ends at an edge of its region, found by a scan and bisection.
+    It is k1 (x - x1) for x1 < x < 0, k1 |x1| (x2 - x)/x2 for 0 < x < x2, and 0 elsewhere. A phase
+    ends at an edge of its region, found by a scan and bisection.
     """
     e = numbers(p, "mass", "k1", "x1", "x2", "x0", "v0")
     x1, x2, k1, m = (arb_of(e[name]) for name in ("x1", "x2", "k1", "mass"))
     walls = [arb(-(10**9)), x1, arb(0), x2, arb(10**9)]
+    # x'' = slope x + constant in the four regions, as pairs (slope, constant). On the right of 0,
+    # k1 |x1| (x2 - x)/x2 = (k1 x1/x2) x - k1 x1.
     slopes = [
         (arb(0), arb(0)),
         (k1 / m, -k1 * x1 / m),
@@ -158,6 +167,7 @@ def asymmetric(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claim
     region = sum(
         e["x0"] > wall or (e["x0"] == wall and e["v0"] > 0) for wall in (e["x1"], 0, e["x2"])
     )
+    # The work from x1 to x2 is the area of a triangle of height k1 |x1| on the base x2 - x1.
     yield None, {"work": k1 * abs(x1) * (x2 - x1) / 2}
     while waiting:
         phase = Solution(partial(flank, *slopes[region]), state, begin=begin)
@@ -178,8 +188,9 @@ def asymmetric(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claim
 
 
 def wedge(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claimed) -> Results:
-    """The collision with a wedge: in with -k2 d^2 to the largest overlap, out with -k1 d until d =
-    0, then free; Newton's law for each.
+    """The collision with a wedge: m d'' = -k2 d^2 up to the largest overlap, then m d'' = -k1 d.
+
+    The contact ends where d = 0 again.
     """
     e = {name: arb_of(number(p, name)) for name in ("mass", "k1", "k2", "closing_speed")}
     m = e["mass"]
@@ -192,6 +203,7 @@ def wedge(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claimed) -
     duration = float(claimed["duration"])
     end = outward.bisected(lambda y: y[0], float(turn), duration * 1.05)
     end_speed = outward.at(end)[1]
+    # Delta E = m/2 (v_out^2 - v_in^2)
     energy_change = (end_speed * end_speed - speed * speed) * m / 2
     yield None, {"duration": end, "max_overlap": max_overlap, "energy_change": energy_change}
     for t in times:
@@ -214,9 +226,9 @@ def flank(slope: arb, constant: arb, t: Any, y: Sequence[Any]) -> list[Any]:
 def _left(
     phase: Solution, low: arb, high: arb, begin: float, last: float
 ) -> tuple[arb, int] | None:
-    """The time at which the motion leaves the region from low to high, and the side: -1 or 1.
+    """The time at which x leaves the interval from low to high, and the side: -1 or 1.
 
-    None if it does not before the time `last` [s].
+    None if x stays in it up to the time `last` [s].
     """
     t = begin
     while t <= last:

@@ -1,8 +1,8 @@
-"""What a witness says of a certified set, and whether it confirms it.
+"""The comparison of a certified set of values with the values of a witness.
 
-A witness is a second computation of a case that shares no code with its truth. It lives in a file
-of this folder whose WITNESSES maps case ids to `Witness`; it is not proved, and a set that it
-denies is not stored.
+A witness is a second computation of a case that shares no code with its truth. It is in a file of
+this folder whose WITNESSES maps case ids to `Witness`. It is not proved; a set that it does not
+confirm is not stored.
 """
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -25,15 +25,15 @@ BITS = 256
 
 Results = Iterator[tuple[Fraction | None, Mapping[str, arb]]]
 Claimed = Mapping[str, Fraction]
-"""Midpoints of the scalars, for a witness that looks for the same one: which of the roots is meant.
-"""
+"""Midpoints of the certified scalars, with which a witness selects the root to compute."""
 
 
 @dataclass(frozen=True)
 class Witness:
-    """What a witness computes; `method` says how.
+    """The computation of a witness, and a sentence `method` about it.
 
-    `values` gives what it knows of the scalars (None) and of the quantities at the times (rising).
+    `values` yields pairs (time, values by name) for some or all of the quantities at the times,
+    which increase, and for scalars, with None as the time.
     """
 
     method: str
@@ -65,10 +65,10 @@ def witness_files(case: str) -> tuple[Path, ...]:
 def cross_checked(
     case: str, p: Mapping[str, Exact], rows: Sequence[Sequence[Any]]
 ) -> dict[str, Any] | None:
-    """Who confirms how many of the values of a set (rows as the store has them), to how many
-    digits; None if nobody can.
+    """The witness of a set, the number of values compared, and the digits to which they agree.
 
-    `denied` lists values that the witness does not confirm.
+    `rows` are those of the store. `denied` lists the values that differ by more than 10^-AGREED.
+    None if the case has no witness, or the witness has none of the values.
     """
     witness = witnesses().get(case)
     if witness is None:
@@ -109,7 +109,7 @@ def _time(text: str | None) -> Fraction | None:
 def _difference(results: arb, row: Sequence[Any]) -> Fraction:
     """An upper bound of the difference between the witness and a row (t, name, mid, radius, ...).
 
-    In units of the value where that is larger than 1; 10^6 if the witness knows no finite value.
+    It is relative to |value| rounded up, where that is larger than 1; 10^6 if it is not finite.
     """
     mid = Fraction(row[2])
     radius = Fraction(row[3])

@@ -1,5 +1,5 @@
-"""Witness of a polygon in phase space: each corner as its flow's own witness moves it, areas by
-their rate and by triangles.
+"""Witness of a polygon in phase space: each corner by the witness of its flow, the initial area by
+triangles, the area at later times by its rate.
 """
 
 from collections.abc import Mapping, Sequence
@@ -25,10 +25,11 @@ METHOD = (
 def carried(p: Mapping[str, Any], times: Sequence[Fraction], claimed: Claimed) -> Results:
     """The motion of every corner of the polygon, and its area from dA/dt = A div F.
 
-    div F is -2 delta in a fluid and 0 else; under dry friction only the area at the start is known.
+    div F is -2 delta with viscous damping, and 0 for the conservative flows. Under dry friction
+    only the initial area is given.
     """
     corners = p["corners"]
-    # The area as a sum of triangles with the first corner.
+    # The area as a sum of triangles: 1/2 (a - x) x (b - x) with the first corner x.
     x, v = corners[0]
     double_area = Fraction(0)
     for (xa, va), (xb, vb) in pairwise(corners[1:]):
@@ -55,7 +56,7 @@ def carried(p: Mapping[str, Any], times: Sequence[Fraction], claimed: Claimed) -
 def moved(
     p: Mapping[str, Exact], corner: tuple[Fraction, Fraction], times: Sequence[Fraction]
 ) -> Results:
-    """The motion of one corner (x, v) at the start, by the witness of its flow."""
+    """The motion from the corner (x, v) at t = 0, by the witness of its flow."""
     if p["flow"] == "pendulum":
         return points.pendulum({**p, "theta0": corner[0], "thetadot0": corner[1]}, times, {})
     start = {**p, "gravity": Fraction(0), "x0": corner[0], "v0": corner[1]}

@@ -1,5 +1,5 @@
-"""Witness of Haff's time: collisions counted and energy lost as integrals over the speeds at which
-two Maxwellian spheres meet.
+"""Witness of Haff's time: collision frequency and energy loss as integrals over the relative speed
+of two spheres with Maxwellian velocities.
 """
 
 from collections.abc import Mapping, Sequence
@@ -17,7 +17,7 @@ METHOD = (
     " (refdem/truth/witnesses/gas.py)"
 )
 FAR = 20
-"""Widths of the distribution beyond which exp(-FAR^2/2) < 10^-86 is left out."""
+"""Upper end of the integrals in standard deviations; exp(-FAR^2/2) < 10^-86 is neglected."""
 
 
 def moment(power: int) -> arb:
@@ -27,13 +27,16 @@ def moment(power: int) -> arb:
 
 
 def cooling(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claimed) -> Results:
-    """The collision frequency of a sphere and Haff's time, from how two spheres meet.
+    """The collision frequency of a sphere and Haff's time.
 
     A component u of the relative velocity along a given line is Gaussian with the variance 2 T/m (m
-    = 1). Per time, a sphere meets n sigma^2 chi times the integral over all directions, 4 pi, of
-    the mean of the positive part of u, chi being the contact value of the pair distribution.
-    Spheres that meet have u weighed by u, so that a collision loses (1 - e^2)/4 of the mean of m
-    u^2 under that weight, shared by two spheres of energy 3 T/2. Haff: tau = 2 E/(dE/dt).
+    = 1). With the contact value chi of the pair distribution (Carnahan and Starling) and the mean
+    <u+> of the positive part of u:
+
+        w_c = 4 pi n sigma^2 chi <u+>              collisions of one sphere per time
+        loss = (1 - e^2)/4 m <u^3>/<u>             mean energy lost in a collision, over u > 0
+        -dE/dt = w_c loss/2,  E = 3 T/2            each loss is shared by two spheres
+        tau = 2 E/(-dE/dt)                         from E = E0/(1 + t/tau)^2
     """
     e = {
         name: arb_of(x)
@@ -41,7 +44,7 @@ def cooling(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claimed)
     }
     packing = arb.pi() * e["density"] * e["diameter"] ** 3 / 6
     chi = (1 - packing / 2) / ((1 - packing) * (1 - packing) * (1 - packing))
-    # The standard deviation of u, and the integral of its unnormalised distribution.
+    # The standard deviation sqrt(2 T/m) of u, and the integral of exp(-u^2/2) over all u.
     deviation = (2 * e["t0"]).sqrt()
     norm = 2 * moment(0)
     mean_approach = deviation * moment(1) / norm

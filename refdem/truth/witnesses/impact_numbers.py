@@ -1,5 +1,5 @@
-"""What the members of the impact benchmarks leave to be derived, derived for their witness: no code
-of refdem/truth/contact_law.py.
+"""Derived parameters of the impact benchmarks for their witness: masses, damping and stiffnesses,
+without the code of refdem/truth/contact_law.py.
 """
 
 from collections.abc import Mapping
@@ -11,8 +11,8 @@ from refdem.truth.balls import arb_of, precision
 from refdem.truth.witnesses.cross_check import BITS
 
 MORE_BITS = 4 * BITS
-"""Near exp(-2) the equation of a restitution has nearly a double root, which costs half of the
-bits.
+"""Bits of the bisection in `damping`. Near e = exp(-2) its equation has nearly a double root, which
+costs half of the bits.
 """
 MISSING = {
     "spin": 0,
@@ -23,11 +23,16 @@ MISSING = {
     "branch": "R",
     "cutoff": "zero_overlap",
 }
-"""Parameters that some members do not have."""
+"""The values of parameters that some members do not have."""
 
 
 def impact_numbers(written: Mapping[str, Any]) -> dict[str, Any]:
-    """The numbers of a member as they are written, and what follows from them, as balls."""
+    """The given parameters of a member, and those derived from them as Arb balls.
+
+    Derived are the masses, the damping, the stiffnesses of Hertz and Mindlin, and the components of
+    the approach velocity: `normal` = v cos(angle) and `across` = v sin(angle), or `across` = psi mu
+    v_n where the normal speed v_n and psi are given.
+    """
     p: dict[str, Any] = {**MISSING, **written}
     if "density" in p:
         p["mass"] = ball_mass(p["density"], p["radius"])
@@ -54,18 +59,18 @@ def impact_numbers(written: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def ball_mass(density: Any, radius: Any) -> arb:
-    """Density times pi D^3/6 [kg]."""
+    """The mass [kg] of a sphere: density times pi D^3/6."""
     diameter = 2 * arb_of(radius)
     return arb_of(density) * arb.pi() * diameter * diameter * diameter / 6
 
 
 def effective_mass(p: Mapping[str, Any]) -> arb:
-    """The effective mass [kg] of the contact whose restitution is given."""
-    # The large spheres that close on a small one: their dashpot is made for a large one alone.
+    """The mass [kg] with which the given restitution determines the damping."""
+    # Large spheres around a small one: the damping is that of one large sphere alone.
     if "large" in p:
         return arb_of(p["large"])
     mass = arb_of(p["mass"])
-    # Two spheres, one upon the other or side by side: m1 m2/(m1 + m2).
+    # Two spheres: m1 m2/(m1 + m2) = 1/(1/m1 + 1/m2).
     if "upper" in p:
         return 1 / (1 / mass + 1 / arb_of(p["upper"]))
     if "masses" in p:
@@ -75,10 +80,11 @@ def effective_mass(p: Mapping[str, Any]) -> arb:
 
 
 def damping(p: Mapping[str, Any], mass: arb) -> arb:
-    """c [kg/s] by bisection in q = w/b, the ratio of swing to decay: c = 2 sqrt(m k/(1 + q^2)).
+    """The damping c [kg/s] for the given restitution e, by bisection in q = w/b.
 
-    Over a contact the velocity falls by ln(1/e) = b t_c, which is pi/q until the overlap ends and 2
-    atan(q)/q until the force does.
+    m d'' + c d' + k d = 0 has the decay rate b = c/(2 m) and the frequency w with w^2 + b^2 = k/m:
+    c = 2 sqrt(m k/(1 + q^2)). A contact of duration t_c has e = exp(-b t_c), where b t_c = pi/q if
+    it ends with d = 0 and 2 atan(q)/q if it ends with F = 0.
     """
     if p["restitution"] == 1:
         return arb(0)
@@ -87,7 +93,7 @@ def damping(p: Mapping[str, Any], mass: arb) -> arb:
     else:
         loss = pressing_swing
     with precision(MORE_BITS):
-        # The loss falls as q rises.
+        # ln(1/e) = b t_c, whose right-hand side decreases with q.
         target = -arb_of(p["restitution"]).log()
         low = arb(0)
         high = arb(1)
@@ -105,20 +111,20 @@ def damping(p: Mapping[str, Any], mass: arb) -> arb:
 
 
 def half_swing(q: arb) -> arb:
-    """b t_c = pi/q, with t_c until the overlap ends."""
+    """b t_c = pi/q for a contact that ends with d = 0: w t_c = pi."""
     return arb.pi() / q
 
 
 def pressing_swing(q: arb) -> arb:
-    """b t_c = 2 atan(q)/q, with t_c until the force ends."""
+    """b t_c = 2 atan(q)/q for a contact that ends with F = 0: w t_c = 2 atan(w/b)."""
     return 2 * q.atan() / q
 
 
 def stiffnesses(p: Mapping[str, Any]) -> dict[str, arb]:
     """Hertz's stiffness of the contact, and Mindlin's of a sphere on a wall [N/m^(3/2)].
 
-    With E' = E/(1 - nu^2) and G = E/(2 (1 + nu)): F = 4/3 E' sqrt(R) d^(3/2), and k_t = 8 G/(2 -
-    nu) sqrt(R).
+    With E' = E/(1 - nu^2) and G = E/(2 (1 + nu)): F = 4/3 E' sqrt(R) d^(3/2), and the tangential
+    stiffness is k_t sqrt(d) with k_t = 8 G/(2 - nu) sqrt(R).
     """
     modulus = arb_of(p["modulus"])
     poisson = arb_of(p["poisson"])
@@ -126,7 +132,7 @@ def stiffnesses(p: Mapping[str, Any]) -> dict[str, arb]:
     plane_modulus = modulus / (1 - poisson * poisson)
     shear_modulus = modulus / (2 * (1 + poisson))
     if p["member"] == "co-1":
-        # Two equal spheres: F = 4/3 (E'/2) sqrt(R/2) d^(3/2).
+        # Two equal spheres: F = 4/3 (E'/2) sqrt(R/2) d^(3/2) = E' sqrt(2 R)/3 d^(3/2).
         return {"hertz": plane_modulus * (2 * radius).sqrt() / 3}
     return {
         "hertz": 4 * plane_modulus * radius.sqrt() / 3,

@@ -1,6 +1,7 @@
-"""Witnesses of the impact benchmarks: Newton's law for the numbers of each member, phase by phase.
+"""Witnesses of the impact benchmarks: Newton's law for the parameters of each member, phase by
+phase.
 
-`p` has the numbers of a member as impact_numbers.py derives them: exact rationals or reals, in SI
+The parameters `p` of a member come from impact_numbers.py: exact rationals or Arb balls, in SI
 units.
 """
 
@@ -26,10 +27,10 @@ METHOD = (
 
 
 class Struck(Colliding):
-    """One sphere and the wall x = 0, from the left, in the notation of collisions.py.
+    """One sphere at x < 0 and the wall x = 0, in the notation of collisions.py.
 
-    The normal is e = (-1, 0) and does not turn, the tangent t = (0, -1), the overlap R + x. The
-    second spin of the state is 0.
+    The normal e = (-1, 0) and the tangent t = (0, -1) are constant, and the overlap is d = R + x.
+    The state has the form of a pair of spheres; its second spin is 0.
     """
 
     def __init__(self, p: Mapping[str, Any]) -> None:
@@ -42,6 +43,7 @@ class Struck(Colliding):
         self.pulls = p["cutoff"] == "zero_overlap" and p["damping"] > 0
 
     def geometry(self, s: Sequence[Any]) -> tuple[Any, Any, Any, Any, Any, Any]:
+        # |r| = -x,  v_e = -v_x,  v_t = -v_y,  F = k (R + x) - c v_e = k (R + x) + c v_x
         x, _, vx, vy = s[:4]
         force = self.k * (self.reach + x) + self.c * vx
         return arb(-1), arb(0), -x, -vx, -vy, force
@@ -51,20 +53,23 @@ class Struck(Colliding):
         return self.reach - self.beta * self.overlap(s)
 
     def slip(self, s: Sequence[Any]) -> Any:
-        """The slip v_t - l w = -v_y - l w of the surface."""
+        """The slip v_t - l omega = -v_y - l omega of the surface [m/s]."""
         return -s[3] - self.lever(s) * s[4]
 
     def holding(self, s: Sequence[Any]) -> Any:
-        """The f with slip' = 0, from 0 = f/m + l^2 f/J + beta v_x w."""
+        """The friction f with slip' = 0 [N].
+
+        slip' = -v_y' - l' omega - l omega' = f/m + beta v_x omega + l^2 f/J, as l' = -beta v_x.
+        """
         inverse_mass = 1 / self.mass + self.lever(s) * self.lever(s) / self.moment
         return -self.beta * s[2] * s[4] / inverse_mass
 
     def growth(self, s: Sequence[Any]) -> Any:
-        """The rate dF/dt = k v_x - c F/m of the normal force."""
+        """dF/dt = k v_x + c v_x' = k v_x - c F/m [N/s]."""
         return self.k * s[2] - self.c * self.force(s) / self.mass
 
     def field(self, friction: Value) -> Any:
-        """m v_x' = -F, m v_y' = -f, J w' = -l f, stretch' = slip."""
+        """m v_x' = -F, m v_y' = -f, J omega' = -l f, stretch' = slip."""
 
         def rates(t: Any, s: Sequence[Any]) -> list[Any]:
             f = friction(s)
@@ -83,7 +88,7 @@ class Struck(Colliding):
 
 
 def on_wall(p: Mapping[str, Any], times: Sequence[Fraction], claimed: Claimed) -> Results:
-    """The impact on a wall under the linear contact law."""
+    """The impact of a sphere on a wall under the linear contact law."""
     sphere = Struck(p)
     zero = arb(0)
     vx, vy, spin = (arb_of(p[name]) for name in ("normal", "across", "spin"))
@@ -109,9 +114,9 @@ def on_wall(p: Mapping[str, Any], times: Sequence[Fraction], claimed: Claimed) -
 def hertz_wall(p: Mapping[str, Any], times: Sequence[Fraction], claimed: Claimed) -> Results:
     """A sphere on a wall under Hertz's law with sliding friction, as a curve in s.
 
-    With the overlap d = w^2 and dt = w ds everything is analytic at touch. The state is w, v = d',
-    t, y, v_y, R omega. Friction mu F acts against the slip v_y + R omega until there is none, where
-    a second phase without friction begins, if the contact lasts so long.
+    The substitution d = w^2, dt = w ds makes the equations analytic at d = 0. The state is (w, v =
+    d', t, y, v_y, R omega). Friction mu F acts against the slip v_y + R omega. If the slip becomes
+    0 during the contact, a second phase without friction follows.
     """
     stiffness, mu, radius, normal, across = (
         arb_of(p[name]) for name in ("hertz", "friction", "radius", "normal", "across")
@@ -126,7 +131,8 @@ def hertz_wall(p: Mapping[str, Any], times: Sequence[Fraction], claimed: Claimed
         side = 0
     start = [arb(0), normal, arb(0), arb(0), across, r_omega]
     contact = [Solution(partial(sliding, k, side * mu), start)]
-    # The s of the contact is of the size of `scale`: w < 0 is looked for in 32nds of that.
+    # The contact lasts over a range of s of the size w_max/v0 with w_max about (v0^2/k)^(1/5), as
+    # dw/ds = v/2. The end, w < 0, is searched in steps of a 32nd of that.
     scale = float((normal * normal / k).root(5)) / float(normal)
     grid = [scale * n / 32 for n in range(1, 2000)]
     parted = next(s for s in grid if contact[0].at(arb(s))[0] < 0)
@@ -154,16 +160,17 @@ def hertz_wall(p: Mapping[str, Any], times: Sequence[Fraction], claimed: Claimed
             )
             state = contact[index].at(s)
         w, v, state_time, y, vy, r_omega_now = state
-        # After the contact it flies on; during it this is 0.
+        # The time since the end of the contact; it is 0 during the contact. x = w^2 - R.
         flight = time - state_time
         x = w * w + v * flight - radius
         yield t, members.nine("", x, y + vy * flight, v, vy, r_omega_now / radius)
 
 
 def sliding(k: arb, mu: arb, s: Any, y: Sequence[Any]) -> list[Any]:
-    """The rates by s of (w, v, t, y, v_y, R omega), k being the stiffness per mass.
+    """The derivatives of (w, v, t, y, v_y, R omega) by s, with the stiffness k per mass.
 
-    Each is w times that by t: dv/dt = -k w^3, dv_y/dt = -mu k w^3, d(R omega)/dt = 5/2 of that.
+    d/ds = w d/dt, with dw/dt = v/(2 w), dv/dt = -k w^3, dv_y/dt = -mu k w^3 and, as J = 2/5 m R^2,
+    d(R omega)/dt = -5/2 mu k w^3.
     """
     w, v, _, _, vy, _ = y
     force = k * w * w * w * w
@@ -171,10 +178,10 @@ def sliding(k: arb, mu: arb, s: Any, y: Sequence[Any]) -> list[Any]:
 
 
 def bouncing(p: Mapping[str, Any], times: Sequence[Fraction], claimed: Claimed) -> Results:
-    """A sphere that bounces on a floor: flights and contacts by turns, the apexes where y' = 0.
+    """A sphere that bounces on a floor: alternating flights and contacts, apexes where y' = 0.
 
-    A phase lasts about `span`: the time to fall back to the floor, or half a period of the contact.
-    Its end is looked for in steps of a sixteenth of that, and found there by the secant.
+    A phase lasts about `span`: the time of the flight back to y = R, or half a period of the
+    contact. Its end is bracketed in steps of a sixteenth of that and refined by the secant method.
     """
     mass, radius, gravity = (arb_of(p[name]) for name in ("mass", "radius", "gravity"))
     k, c = (arb_of(p[name]) / mass for name in ("stiffness", "damping"))
@@ -188,9 +195,11 @@ def bouncing(p: Mapping[str, Any], times: Sequence[Fraction], claimed: Claimed) 
     while waiting or bounces <= apexes:
         if is_flight:
             field = partial(falling, gravity)
+            # y + v t - g t^2/2 = R at t = (v + sqrt(v^2 + 2 g (y - R)))/g.
             span = float((v + (v * v + 2 * gravity * (y - radius)).sqrt()) / gravity)
         else:
             field = partial(pressing, k, c, gravity, radius)
+            # pi/sqrt(k), with k per mass.
             span = float(arb.pi() / k.sqrt())
         phase = Solution(field, [y, v], begin=begin)
         grid = (float(begin) + span * n / 16 for n in range(2, 99))
@@ -222,7 +231,7 @@ def pressing(k: arb, c: arb, gravity: arb, radius: arb, t: Any, s: Sequence[Any]
 
 
 def alike(p: Mapping[str, Any], times: Sequence[Fraction], claimed: Claimed) -> Results:
-    """Two spheres head-on under Hertz's law."""
+    """Two equal spheres that collide head-on under Hertz's law; the effective mass is m/2."""
     halved = arb_of(p["mass"]) / 2
     yield from contacts.hertz(
         {"effective_mass": halved, "stiffness": p["hertz"], "closing_speed": p["speed"]},
@@ -232,7 +241,7 @@ def alike(p: Mapping[str, Any], times: Sequence[Fraction], claimed: Claimed) -> 
 
 
 def spun(p: Mapping[str, Any], times: Sequence[Fraction], claimed: Claimed) -> Results:
-    """Two spheres that spin about z and close head-on under the linear law."""
+    """Two spheres that spin about z and collide head-on under the linear law."""
     spins = (Fraction(0), Fraction(0), p["spins"][0], Fraction(0), Fraction(0), p["spins"][1])
     yield from two_spheres(
         {**p, "closing_speed": p["speed"], "angle": Fraction(0), "spins": spins}, times, claimed
@@ -254,7 +263,7 @@ MEMBERS: dict[str, Callable[[Mapping[str, Any], Sequence[Fraction], Claimed], Re
         members.passing, members.frame(3, (2, -1, 2), (2, 2, -1), (-1, 2, 2))
     ),
 }
-"""Every member of the case."""
+"""The witness of every member of the case."""
 
 
 def impact(p: Mapping[str, Any], times: Sequence[Fraction], claimed: Claimed) -> Results:

@@ -1,9 +1,11 @@
-"""Koenig's theorem as a witness has it: what is about the centre of mass is a sum over pairs of
-points, in which no centre occurs.
+"""Witness of Koenig's theorem: energy and angular momentum about the centre of mass as sums over
+pairs of points, without the centre of mass.
 
-With M the mass of all, sum m |v - V|^2/2 is the sum of m_i m_j |v_i - v_j|^2/(2 M) over the pairs,
-and sum m (r - R) x (v - V) that of m_i m_j (r_i - r_j) x (v_i - v_j)/M. The parts of the centre are
-P^2/(2 M) and (sum m r) x P/M with the momentum P.
+With the total mass M, centre R, its velocity V, momentum P = M V, and sums over all pairs i < j:
+
+    sum m |v - V|^2/2            = sum m_i m_j |v_i - v_j|^2/(2 M)
+    sum m (r - R) x (v - V)      = sum m_i m_j (r_i - r_j) x (v_i - v_j)/M
+    M V^2/2 = P^2/(2 M),         M R x V = (sum m r) x P/M
 """
 
 from collections.abc import Mapping, Sequence
@@ -67,12 +69,12 @@ def _turning(masses: Point, places: Sequence[Point], omega: Point) -> Fraction:
 
 
 def _triples(entries: Point) -> list[Point]:
-    """The vectors of numbers that stand three by three."""
+    """A flat list of numbers as vectors of three."""
     return [entries[k : k + 3] for k in range(0, len(entries), 3)]
 
 
 def _weighted(masses: Point, vectors: Sequence[Point]) -> list[Fraction]:
-    """The sum of vectors times their masses."""
+    """The sum of m v over the vectors v with their masses m."""
     pairs = list(zip(masses, vectors, strict=True))
     return [sum((m * v[i] for m, v in pairs), ZERO) for i in range(3)]
 

@@ -1,7 +1,8 @@
-"""Witness of balls in a line: after each impact all pairs are asked anew, in balls; the speeds come
-from the balances of the pair by elimination.
+"""Witness of spheres on a line: the next impact is the earliest of all pairs, in ball arithmetic;
+the velocities after it come from the balance equations of the pair by elimination.
 
-Nothing of the truth is used: no list is kept, no rational arithmetic is done after the start.
+No code of the truth is used: there is no list of impacts, and no rational arithmetic after the
+start.
 """
 
 from collections.abc import Mapping, Sequence
@@ -21,7 +22,10 @@ METHOD = (
 
 
 class Line:
-    """Balls on a line at the time `now` [s]: masses, radii, places and velocities, as balls."""
+    """The spheres at the time `now` [s]: masses, radii, positions and velocities, as Arb balls.
+
+    `told` collects the scalars of the impacts so far, by name.
+    """
 
     def __init__(self, p: Mapping[str, Exact]) -> None:
         count = int(number(p, "balls"))
@@ -32,7 +36,7 @@ class Line:
         self.now = arb(0)
         self.impacts = 0
         self.told: dict[str, arb] = {}
-        # Each surface begins where the one before it ends, and a gap.
+        # x_k = x_(k-1) + R_(k-1) + gap + R_k
         self.x = [arb(0)]
         edge = self.radii[0]
         for k, gap in enumerate(vector(p, "gaps")[: count - 1], start=1):
@@ -40,11 +44,12 @@ class Line:
             edge = self.x[k] + self.radii[k]
 
     def places(self, t: arb) -> list[arb]:
-        """The centres at a time not before the next impact's."""
+        """The centres x + v (t - now) [m], for t up to the next impact."""
         return [x + v * (t - self.now) for x, v in zip(self.x, self.v, strict=True)]
 
     def next_impact(self) -> tuple[arb, int] | None:
-        """The time and the left ball of the next impact, by all pairs that come nearer."""
+        """The time [s] and the left sphere of the next impact; None if no pair approaches."""
+        # Neighbours with v_k > v_(k+1) meet after gap/(v_k - v_(k+1)).
         first = None
         for k in range(len(self.x) - 1):
             closing = self.v[k] - self.v[k + 1]
@@ -57,9 +62,7 @@ class Line:
         return first
 
     def strike(self, when: arb, k: int) -> None:
-        """Moves all to the impact of balls k and k + 1, and solves it: m1 u1 + m2 u2 = m1 v1 + m2
-        v2, u2 - u1 = e (v1 - v2).
-        """
+        """Advances to the time `when`, and solves the impact of the spheres k and k + 1."""
         self.x = self.places(when)
         self.now = when
         self.impacts += 1
@@ -68,6 +71,7 @@ class Line:
         self.told[f"{name}_closing"] = self.v[k] - self.v[k + 1]
         self.told[f"{name}_body"] = arb(k)
         self.told[f"{name}_other"] = arb(k + 1)
+        # m1 u1 + m2 u2 = m1 v1 + m2 v2,   u2 - u1 = e (v1 - v2)
         momentum = self.masses[k] * self.v[k] + self.masses[k + 1] * self.v[k + 1]
         parting = self.restitution * (self.v[k] - self.v[k + 1])
         rows = arb_mat([[self.masses[k], self.masses[k + 1]], [arb(-1), arb(1)]])
@@ -76,7 +80,7 @@ class Line:
         self.v[k + 1] = speeds[1, 0]
 
     def energy(self) -> arb:
-        """The kinetic energy of all balls [J]."""
+        """The kinetic energy sum of m v^2/2 of all spheres [J]."""
         found = arb(0)
         for m, v in zip(self.masses, self.v, strict=True):
             found += m * v * v / 2
@@ -84,7 +88,7 @@ class Line:
 
 
 def newtons_cradle(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claimed) -> Results:
-    """The states at the times, then the scalars."""
+    """The states at the times, then the scalars of all impacts, including later ones."""
     line = Line(p)
     before = line.energy()
     for t in times:

@@ -1,10 +1,10 @@
-"""Witnesses of linked masses: rigid clusters, pendulums of two rods or on a moving pivot, captured
-and standing masses.
+"""Witnesses of masses with constraints: pendulums, coupled pendulums, a captured mass, a pendulum
+over a wheel, and rigid clusters.
 
-A witness integrates the motion in other coordinates than the truth does: Cartesian ones with the
-forces of rods where the truth has angles, any axes of a body where the truth has principal ones. A
-field is a function (t, state) -> rates for taylor.Solution, its state a list of numbers (balls or
-power series).
+A witness integrates the motion in other coordinates than the truth: Cartesian ones with the forces
+of the rods where the truth has angles, arbitrary axes of a body where the truth has principal ones.
+A field is a function (t, state) -> state' for taylor.Solution; the state is a list of Arb balls or
+power series.
 """
 
 from collections.abc import Mapping, Sequence
@@ -24,9 +24,9 @@ METHOD = "Taylor integration at 58 digits, unproven (refdem/truth/witnesses/link
 
 
 def captured(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claimed) -> Results:
-    """The captured mass: straight from (-2 r, -r) to (0, -r), then on a circle.
+    """The captured mass: a straight line from (-2 R, -R) to (0, -R), then a circle of radius R.
 
-    The circle is integrated under the force -m v^2 r/r^2 alone.
+    The circle is integrated from r'' = -(v^2/r^2) r. The scalars are omega = v/R and J = m R^2.
     """
     e = numbers(p, "mass", "speed", "radius")
     speed = arb_of(e["speed"])
@@ -50,8 +50,9 @@ def held(t: Any, s: Sequence[Any]) -> list[Any]:
 
 
 def standing(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claimed) -> Results:
-    """A pendulum let go `delta` from the top or the bottom, in Cartesian coordinates with the rod's
-    force.
+    """A pendulum released at rest, `delta` [rad] from its upper or lower equilibrium.
+
+    It is integrated in Cartesian coordinates with the force of the rod (`swinging`).
     """
     e = numbers(p, "length", "gravity", "delta")
     length = arb_of(e["length"])
@@ -70,7 +71,8 @@ def standing(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claimed
 def swinging(length: arb, gravity: arb, t: Any, s: Sequence[Any]) -> list[Any]:
     """The field of a pendulum: x'' = -T x, y'' = -g - T y with T = (v^2 - g y)/l^2.
 
-    T, the rod's force per mass and length, follows from r . r'' = -v^2.
+    T is the force of the rod per mass and length. It follows from r . r'' = -v^2, the second
+    derivative of r . r = l^2.
     """
     x, y, vx, vy = s
     rod = (vx * vx + vy * vy - y * gravity) / (length * length)
@@ -78,11 +80,12 @@ def swinging(length: arb, gravity: arb, t: Any, s: Sequence[Any]) -> list[Any]:
 
 
 def kapitza(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claimed) -> Results:
-    """The Kapitza pendulum, its drive a function of time, and its Floquet multipliers.
+    """The Kapitza pendulum with its drive as a function of time, and its Floquet multipliers.
 
-    l theta'' = (g + y'') sin theta for a pivot at y = a cos(w t), theta from the top. The
-    multipliers are the roots of m^2 - D m + 1, D being the trace of the matrix of the linear
-    equation over a period; where they are complex, their modulus 1.
+    l theta'' = (g + y'') sin theta for a pivot at y = a cos(w t), with theta = 0 at the top. The
+    multipliers mu of the equation linearised at the top are the roots of mu^2 - D mu + 1 = 0, where
+    D is the trace of its fundamental matrix after one period. For |D| <= 2 they have the modulus 1,
+    which is then given for both.
     """
     names = ("length", "gravity", "drive_amplitude", "drive", "theta0", "thetadot0")
     e = {name: arb_of(number(p, name)) for name in names}
@@ -93,6 +96,7 @@ def kapitza(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claimed)
     period = 2 * arb.pi() / e["drive"]
     at_period = Solution(partial(near_the_top, e), identity).at(period)
     trace = at_period[0] + at_period[3]
+    # mu = (D +- sqrt(D^2 - 4))/2, the one of larger modulus first.
     if trace * trace > 4:
         root = (trace * trace - 4).sqrt()
         larger = (abs(trace) + root) / 2 * trace.sgn()
@@ -118,10 +122,10 @@ def lifted(e: Mapping[str, arb], t: Any, s: Sequence[Any]) -> list[Any]:
 
 
 def double(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claimed) -> Results:
-    """The double pendulum in Cartesian coordinates, each bob relative to what it hangs from.
+    """The double pendulum in Cartesian coordinates, each bob relative to its point of suspension.
 
-    The state is d1, d1', d2, d2' (2 each) and the two angles, which are integrals of (d x d')/d^2:
-    so they are continuous.
+    The state is d1, d1', d2, d2' (2 components each) and the two angles. An angle is integrated
+    from theta' = (d x d')/d^2, so that it is continuous.
     """
     m1, m2 = (arb_of(m) for m in vector(p, "masses"))
     lengths = [arb_of(x) for x in vector(p, "lengths")]
@@ -145,7 +149,7 @@ def double(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claimed) 
 def hung(m1: arb, m2: arb, gravity: arb, t: Any, s: Sequence[Any]) -> list[Any]:
     """The field of a double pendulum: d1 = r1 and d2 = r2 - r1 with their rates, and the angles.
 
-    With L1, L2 the rods' forces per length:
+    With the forces L1 and L2 of the rods per length:
 
         m1 r1'' = -L1 d1 + L2 d2 + m1 g,    m2 r2'' = -L2 d2 + m2 g,
         d1 . d1'' = -|d1'|^2,    d2 . d2'' = -|d2'|^2    (constant lengths)
@@ -164,10 +168,11 @@ def hung(m1: arb, m2: arb, gravity: arb, t: Any, s: Sequence[Any]) -> list[Any]:
     k11 = square1 / m1
     k12 = -product / m1
     k22 = square2 * (1 / m1 + 1 / m2)
-    # Cramer's rule.
+    # k11 L1 + k12 L2 = right1,  k12 L1 + k22 L2 = right2, by Cramer's rule.
     determinant = k11 * k22 - k12 * k12
     l1 = (right1 * k22 - right2 * k12) / determinant
     l2 = (right2 * k11 - right1 * k12) / determinant
+    # d1'' = (L2 d2 - L1 d1)/m1 + g,  d2'' = r2'' - r1'' = -L2 d2/m2 + g - d1''
     ax1 = (l2 * x2 - l1 * x1) / m1
     ay1 = (l2 * y2 - l1 * y1) / m1 - gravity
     ax2 = -l2 * x2 / m2 - ax1
@@ -180,8 +185,8 @@ def hung(m1: arb, m2: arb, gravity: arb, t: Any, s: Sequence[Any]) -> list[Any]:
 def coupled(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claimed) -> Results:
     """Two pendulums joined by a spring, in Cartesian coordinates, each bob relative to its pivot.
 
-    The state is d1, d1', d2, d2' (2 each) and the two angles, which are integrals of (d x d')/d^2:
-    so they are continuous.
+    The state is d1, d1', d2, d2' (2 components each) and the two angles. An angle is integrated
+    from theta' = (d x d')/d^2, so that it is continuous.
     """
     lengths = [arb_of(x) for x in vector(p, "lengths")]
     angles = [arb_of(x) for x in vector(p, "theta0")]
@@ -206,9 +211,11 @@ def coupled(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claimed)
 def joined(masses: Sequence[arb], e: Mapping[str, Fraction], t: Any, s: Sequence[Any]) -> list[Any]:
     """The field of two pendulums on a spring: d1, d2 with their rates, and the angles.
 
-    With D = (distance, 0) + d2 - d1 and its length s, the spring pulls bob 1 by f = k (1 - s0/s) D
-    and bob 2 by -f. A rod adds -L d to m d'' = m g +- f, and a constant length asks for d . d'' =
-    -|d'|^2, so that L |d|^2/m = |d'|^2 + d . (g +- f/m).
+    With D = (distance, 0) + d2 - d1 and its length s, the spring exerts f = k (1 - s0/s) D on bob 1
+    and -f on bob 2. The rod of each bob adds -L d:
+
+        m d'' = m g +- f - L d,    d . d'' = -|d'|^2    (constant length)
+        L |d|^2/m = |d'|^2 + d . (g +- f/m)
     """
     x1, y1, _, _, x2, y2, _, _ = s[:8]
     spring_x = x2 - x1 + arb_of(e["distance"])
@@ -232,7 +239,10 @@ def joined(masses: Sequence[arb], e: Mapping[str, Fraction], t: Any, s: Sequence
 
 
 def over_wheel(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claimed) -> Results:
-    """Pendulum, wheel and mass, in the state (r, theta, u, m r^2 theta') with u = r' - R theta'."""
+    """A pendulum on a string over a wheel, with a counter mass at the other end of the string.
+
+    The state is (r, theta, u, m r^2 theta') with the speed u = r' - R theta' of the string.
+    """
     names = (
         "mass",
         "counter_mass",
@@ -245,7 +255,7 @@ def over_wheel(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claim
         "thetadot0",
     )
     e = {name: arb_of(number(p, name)) for name in names}
-    # The inertia of the string, A = M + m + J/R^2; a wheel of no radius has none.
+    # A = M + m + J/R^2, the coefficient of u^2/2 in the kinetic energy; A = M + m for R = 0.
     string_mass = e["mass"] + e["counter_mass"]
     if number(p, "wheel_radius"):
         string_mass = string_mass + e["wheel_inertia"] / (e["wheel_radius"] * e["wheel_radius"])
@@ -286,10 +296,10 @@ def wound(e: Mapping[str, arb], string_mass: arb, t: Any, s: Sequence[Any]) -> l
 
 
 def cluster(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claimed) -> Results:
-    """The rigid cluster in the axes in which it is given; no principal axis is looked for.
+    """The rigid cluster in the axes in which it is given, which need not be principal axes.
 
-    The attitude q starts at 1 and obeys q' = q omega_body/2 with omega_body = J^-1 R(q)^T L, L
-    being constant in space; r_i = c + R(q) (r_i(0) - c).
+    The attitude q starts at 1, and q' = q omega_body/2 with omega_body = J^-1 R(q)^T L and the
+    angular momentum L, which is constant in space. r_i = c + R(q) (r_i(0) - c).
     """
     masses = vector(p, "masses")
     flat = vector(p, "positions")
@@ -302,7 +312,7 @@ def cluster(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claimed)
     arms = [[r[k] - centre[k] for k in range(3)] for r in points]
     tensor = [[_moment(masses, arms, i, j) for j in range(3)] for i in range(3)]
     omega = vector(p, "omega")
-    # L = J omega at the start, where both axes are the same.
+    # L = J omega at the start, where the axes of the body are those of space.
     momentum = []
     for row in tensor:
         momentum.append(arb_of(sum((row[j] * omega[j] for j in range(3)), Fraction(0))))
@@ -346,7 +356,7 @@ def spun(
 ) -> list[Any]:
     """The field of the attitude q (4): q' = q omega_body/2 with omega_body = J^-1 R^T L."""
     r = rotation(q)
-    # L in body axes.
+    # R^T L, the angular momentum in body axes.
     body = [sum((r[k][i] * momentum[k] for k in range(3)), arb(0)) for i in range(3)]
     # (a, b, c) is omega_body/2.
     a, b, c = (sum((inverse[i][j] * body[j] for j in range(3)), arb(0)) / 2 for i in range(3))

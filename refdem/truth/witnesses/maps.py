@@ -1,5 +1,5 @@
-"""Witnesses of maps: iterated as they are written, at many digits and without any proof; the
-logistic equation by Taylor integration.
+"""Witnesses of maps: direct iteration at many digits, without any proof; the logistic equation by
+Taylor integration.
 """
 
 from collections.abc import Mapping, Sequence
@@ -15,7 +15,7 @@ from refdem.truth.witnesses.taylor import Solution
 
 METHOD = "iteration at many digits, unproven (refdem/truth/witnesses/maps.py)"
 SCALE = 4096
-"""Bits after the point of the fixed-point numbers: an iterate loses two."""
+"""Fractional bits of the fixed-point numbers; an iterate loses 2 of them, |eta (1 - 2 x)| <= 4."""
 
 
 def logistic(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claimed) -> Results:
@@ -40,10 +40,7 @@ def logistic(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claimed
 
 
 def billiard(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claimed) -> Results:
-    """Position and direction after each bounce, by the nearest wall ahead.
-
-    Straight walls are met by their line, half circles by their chord.
-    """
+    """Position and direction after each bounce, from the nearest wall ahead of the particle."""
     names = ("position.x", "position.y", "direction.x", "direction.y")
     with precision(1024):
         a, b = (arb_of(x) for x in vector(p, "size"))
@@ -96,9 +93,10 @@ def bounced(
                 nx = (dx + distance * u) / radius
                 ny = (dy + distance * v) / radius
                 hits.append((distance, nx, ny))
-    # The wall on which it is lies at the distance 0.
+    # Drop the wall on which the particle is, whose distance is 0 up to rounding.
     ahead = [hit for hit in hits if hit[0] > arb(2) ** -200]
     distance, nx, ny = min(ahead, key=lambda hit: float(hit[0]))
+    # u -> u - 2 (u . n) n
     double_normal = 2 * (u * nx + v * ny)
     next_position = [(x + distance * u).mid(), (y + distance * v).mid()]
     next_direction = [(u - double_normal * nx).mid(), (v - double_normal * ny).mid()]

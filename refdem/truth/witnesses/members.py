@@ -1,8 +1,8 @@
-"""Witnesses of the impact benchmarks that are like no other collision: a stack, a slide, a squeeze,
-Mindlin's spring, a prescribed path.
+"""Witnesses of the impact benchmarks that need equations of their own: two stacked spheres, sliding
+to rolling, a squeezed sphere, Mindlin's spring and a prescribed path.
 
-Each integrates Newton's law for every body under the law of the contact, phase by phase
-(collisions.py); `p` has the numbers of a member (impact_numbers.py).
+Each witness integrates Newton's law of every body under the contact law, phase by phase
+(collisions.py). The parameters `p` of a member come from impact_numbers.py.
 """
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -27,12 +27,13 @@ from refdem.truth.witnesses.cross_check import Claimed, Results
 from refdem.truth.witnesses.taylor import Solution
 
 LEVERS = {"R": Fraction(0), "R-d/2": Fraction(1, 2), "R-d": Fraction(1)}
+"""beta of the lever l_i = R_i - beta d of friction, by the name of the branch."""
 
 
 def nine(
     number: str, x: Any = 0, y: Any = 0, vx: Any = 0, vy: Any = 0, spin: Any = 0
 ) -> dict[str, arb]:
-    """The nine quantities r, v, omega of body `number`, which stays in the x-y plane."""
+    """The nine components of r, v and omega of body `number`, which moves in the x-y plane."""
     vectors = {"r": (x, y, 0), "v": (vx, vy, 0), "omega": (0, 0, spin)}
     quantities = {}
     for name, vector in vectors.items():
@@ -42,24 +43,28 @@ def nine(
 
 
 def stacked(p: Mapping[str, Any], times: Sequence[Fraction], claimed: Claimed) -> Results:
-    """Two spheres squeezed between floor and ceiling; only as long as no contact opens.
+    """Two spheres squeezed between floor and ceiling, until one of the contacts opens.
 
-    The state is (y1, v1, y2, v2); each of the three contacts pushes with k d + c d'.
+    The state is (y1, v1, y2, v2). Each of the three contacts exerts the force k d + c d' at the
+    overlap d.
     """
     names = ("stiffness", "damping", "gravity", "mass", "upper", "radius", "height")
     k, c, g, lower_mass, upper_mass, radius, ceiling = (arb_of(p[name]) for name in names)
     zero = arb(0)
 
     def overlaps(s: Sequence[Any]) -> tuple[Any, Any, Any]:
+        # Floor: d = R - y1; between the spheres: d = 2 R - (y2 - y1); ceiling: d = y2 + R - H.
         y1, _, y2, _ = s
         return radius - y1, y1 + 2 * radius - y2, y2 + radius - ceiling
 
     def rates(t: Any, s: Sequence[Any]) -> list[Any]:
         _, v1, _, v2 = s
+        # d' of the three contacts, and F = k d + c d' of each.
         overlap_rates = (-v1, v1 - v2, v2)
         floor, middle, top = (
             k * d + c * rate for d, rate in zip(overlaps(s), overlap_rates, strict=True)
         )
+        # m1 v1' = F_floor - F_middle - m1 g,  m2 v2' = F_middle - F_ceiling - m2 g
         return [v1, (floor - middle) / lower_mass - g, v2, (middle - top) / upper_mass - g]
 
     solution = Solution(rates, [ceiling / 4, zero, 3 * ceiling / 4, zero])
@@ -72,14 +77,19 @@ def stacked(p: Mapping[str, Any], times: Sequence[Fraction], claimed: Claimed) -
 
 
 def sliding_to_roll(p: Mapping[str, Any], times: Sequence[Fraction], claimed: Claimed) -> Results:
-    """A sphere that slides on a floor until it rolls: state (x, y, vx, vy, spin).
+    """A sphere that slides on a floor until it rolls; the state is (x, y, vx, vy, omega).
 
-    Friction is mu N against the slip vx + R spin, and ends with it; N = k (R - y).
+        m vx' = -mu N,    m vy' = N - m g,    J omega' = -mu N R,
+        N = k (R - y),    J = 2/5 m R^2
+
+    The slip vx + R omega is positive at the start. Sliding ends where the slip is 0; the sphere
+    then rolls without friction. At the start the overlap is that of rest, R - y = m g/k.
     """
     names = ("mass", "radius", "stiffness", "gravity", "friction", "speed")
     m, radius, k, g, mu, speed = (arb_of(p[name]) for name in names)
 
     def rates(coefficient: arb, t: Any, s: Sequence[Any]) -> list[Any]:
+        # J = 2/5 m R^2, N = k (R - y); f = -mu N acts at the lowest point, with the torque R f.
         inertia = m * radius * radius * 2 / 5
         normal = k * (radius - s[1])
         friction = -coefficient * normal
@@ -87,6 +97,7 @@ def sliding_to_roll(p: Mapping[str, Any], times: Sequence[Fraction], claimed: Cl
 
     zero = arb(0)
     slides = Solution(partial(rates, mu), [zero, radius - m * g / k, speed, zero, zero])
+    # Rolling begins at the zero of the slip vx + R omega.
     roll_time = float(claimed["roll_time"])
     end = slides.crossing(lambda s: s[2] + radius * s[4], roll_time, roll_time / 128)
     rolls = Solution(partial(rates, zero), slides.at(end), begin=end)
@@ -109,11 +120,12 @@ def sliding_to_roll(p: Mapping[str, Any], times: Sequence[Fraction], claimed: Cl
 
 
 class Trio(Colliding):
-    """A sphere between two others, each with its own equation; no symmetry is used.
+    """A sphere between two others, with separate equations of motion of all three.
 
-    The state is x, y, vx, vy, spin of each (outer, middle, outer), then the stretches of both
-    springs. Both contacts are in one phase, which is ended by the switches of the first one: if the
-    second contact were not its mirror image, the values would not agree with the truth.
+    The state is x, y, vx, vy, omega of each sphere (outer, middle, outer), then the stretch of each
+    tangential spring. Both contacts are in the same phase, and the first contact decides where it
+    ends: a half turn about the middle sphere maps each contact to the other one. If the motion
+    lost this symmetry, the values would not agree with the truth.
     """
 
     def __init__(self, p: Mapping[str, Any]) -> None:
@@ -129,7 +141,10 @@ class Trio(Colliding):
         self.inertias = [self.two.moments[0], self.two.moments[1], self.two.moments[0]]
 
     def pair(self, i: int, s: Sequence[Any]) -> list[Any]:
-        """The state of the outer body i (0 or 2) against the middle one, as that of `Spheres`."""
+        """The state of the contact of outer body i (0 or 2), in the form that `Spheres` has.
+
+        It is (r_i - r_1, v_i - v_1, omega_i, omega_1, stretch).
+        """
         outer = s[5 * i : 5 * i + 5]
         middle = s[5:10]
         relative = [a - b for a, b in zip(outer[:4], middle[:4], strict=True)]
@@ -137,7 +152,7 @@ class Trio(Colliding):
         return [*relative, outer[4], middle[4], stretch]
 
     def of_two(self, s: Sequence[Any]) -> Sequence[Any]:
-        """The first contact of a state of all three; a state of two is one already."""
+        """The first contact of a state of all three (17 numbers); the state of a pair as it is."""
         if len(s) == 17:
             return self.pair(0, s)
         return s
@@ -152,7 +167,11 @@ class Trio(Colliding):
         return self.two.slip(self.of_two(s))
 
     def growth(self, s: Sequence[Any]) -> Any:
-        """dF/dt = -k v_e - c v_e', v_e' = (a1 - a2) . e + v_t^2/|r|, in the slip that holds."""
+        """The rate dF/dt of the normal force of the first contact, during its slip.
+
+        F = k d - c v_e and d' = -v_e give dF/dt = -k v_e - c v_e'. With e' = (v_t/|r|) t,
+        v_e' = (a_0 - a_1) . e + v_t^2/|r|; the accelerations are those of all forces on each body.
+        """
         pair = self.pair(0, s)
         ex, ey, distance, along, across, _ = self.geometry(pair)
         if float(self.slip(pair)) > 0:
@@ -160,8 +179,10 @@ class Trio(Colliding):
         else:
             phase = "slip-"
         rates = self.field(self.law(phase))(None, s)
+        # The accelerations of body 0 are rates 2 and 3, those of body 1 are rates 7 and 8.
         ax = rates[2] - rates[7]
         ay = rates[3] - rates[8]
+        # v_e' = (a_0 - a_1) . e + v_t^2/|r|
         along_rate = ax * ex + ay * ey + across * across / distance
         return -self.k * along - self.c * along_rate
 
@@ -178,7 +199,8 @@ class Trio(Colliding):
                 pair = self.pair(i, s)
                 ex, ey, distance, _, _, force = self.geometry(pair)
                 f = friction(pair)
-                # F e + f t on the outer body, the reaction on the middle one; torques -l f on both.
+                # F e + f t with t = (-e_y, e_x) acts on the outer body, its reaction on the middle
+                # one; the torque is -l_i f on both.
                 force_x = force * ex - f * ey
                 force_y = force * ey + f * ex
                 outer_lever, middle_lever = self.two.levers(distance)
@@ -189,6 +211,7 @@ class Trio(Colliding):
                 slips.append(self.slip(pair))
             state_rates = []
             for n in range(3):
+                # r' = v,  m_n v' = sum of forces,  J_n omega' = sum of torques
                 accelerations = [x / self.masses[n] for x in forces[n]]
                 spin_rate = torques[n] / self.inertias[n]
                 state_rates += [s[5 * n + 2], s[5 * n + 3], *accelerations, spin_rate]
@@ -199,6 +222,7 @@ class Trio(Colliding):
     def after(self, phase: str, then: str, s: Sequence[arb]) -> tuple[str, list[arb]]:
         if then != "caught":
             return then, list(s)
+        # The springs begin at their limit: k_t stretch = +-mu F, with the sign of the slip.
         limits = [
             SIDES[phase[-1]] * self.mu * self.force(self.pair(i, s)) / self.kt for i in (0, 2)
         ]
@@ -206,7 +230,11 @@ class Trio(Colliding):
 
 
 def squeezed(p: Mapping[str, Any], times: Sequence[Fraction], claimed: Claimed) -> Results:
-    """Three spheres, the middle one squeezed; only with a tangential spring."""
+    """Three spheres in a row, the middle one squeezed by the outer ones.
+
+    The outer spheres close with (v_n, v_t) and (-v_n, -v_t) and have equal spins. Values are given
+    only for a contact law with a tangential spring.
+    """
     if not p["tangential_stiffness"]:
         return
     trio = Trio(p)
@@ -234,12 +262,14 @@ def squeezed(p: Mapping[str, Any], times: Sequence[Fraction], claimed: Claimed) 
 
 
 class Mindlin:
-    """Hertz's contact of a sphere and a wall with Mindlin's spring, as a curve in s.
+    """Hertz's contact of a sphere and a wall with Mindlin's tangential spring, as a curve in s.
 
-    m d'' = -k d^(3/2); friction is k_t sqrt(d) stretch, at most mu k d^(3/2). With d = w^2 and dt =
-    w ds everything is analytic at touch. The state is (w, v = d', t, v_y, R w_z, y, stretch), whose
-    places are named below; k and k_t are per mass. The slip is positive at touch: where it is not,
-    the mirror image is followed (`side` is -1).
+        m d'' = -k d^(3/2),    f = k_t sqrt(d) stretch,    |f| <= mu k d^(3/2)
+
+    The substitution d = w^2, dt = w ds makes all equations analytic at d = 0. The state is (w, v =
+    d', t, v_y, R omega_z, y, stretch), whose indices are named below; k and k_t are per mass. The
+    slip at first touch is taken as positive: if it is negative, the mirror image of the motion is
+    integrated (`side` is -1).
     """
 
     ROOT, CLOSING, TIME, ACROSS, SPIN, WAY, STRETCH = range(7)
@@ -266,16 +296,18 @@ class Mindlin:
             arb(0),
             arb(0),
         ]
-        # About a sixteenth of the s of a contact.
+        # The contact lasts over a range of s of the size w_max/v0, as dw/ds = v/2, and
+        # m v0^2/2 = (2/5) k d_max^(5/2) gives w_max = (5 v0^2/(4 k))^(1/5) with k per mass.
+        # A step is a sixteenth of w_max/v0.
         self.step = float(normal) ** -0.6 * (1.25 / float(self.k)) ** 0.2 / 16
 
     def rates(self, side: int, s: Any, y: Sequence[Any]) -> list[Any]:
-        """The rates of the state by s, while it sticks (side 0) or slides to a side.
+        """The derivatives of the state by s, while it sticks (side 0) or slides to a side.
 
-        Each is w times that by t, as dt = w ds.
+        Each derivative is d/ds = w d/dt.
         """
         w, v, _, vy, spin, _, stretch = y
-        # The friction f per mass: k_t w stretch while it sticks, mu k w^3 while it slides.
+        # The friction f per mass: k_t w stretch while it sticks, side mu k w^3 while it slides.
         if side == 0:
             friction = w * self.kt * stretch
         else:
@@ -290,20 +322,28 @@ class Mindlin:
         return [w_rate, v_rate, w, vy_rate, spin_rate, vy * w, (vy + spin) * w]
 
     def margin(self, side: int, y: Sequence[Any]) -> Any:
-        """The margin of a stick to its limit on a side, over w: mu k w^2 - side k_t stretch."""
+        """How far the sticking friction is from its limit on a side, divided by w.
+
+        The limit is mu k w^3 and the force of the spring k_t w stretch: the margin is mu k w^2 -
+        side k_t stretch.
+        """
         w = y[self.ROOT]
-        # mu k w^3 is the limit of the friction, k_t w stretch is the spring's.
         return self.mu * self.k * w * w - side * self.kt * y[self.STRETCH]
 
     def excess(self, side: int, y: Sequence[Any]) -> Any:
-        """The rate at which a slip would stretch the spring beyond its limit: side k_t (v_y + R
-        w_z) - mu k d'.
+        """The rate at which the slip would stretch the spring beyond its limit, times k_t.
+
+        The limit of the stretch is side mu k d/k_t, from k_t w stretch = side mu k w^3. So the
+        excess is side k_t (v_y + R omega_z) - mu k d'.
         """
         slip = y[self.ACROSS] + y[self.SPIN]
         return side * self.kt * slip - self.mu * self.k * y[self.CLOSING]
 
     def phases(self) -> Iterator[tuple[Solution, arb]]:
-        """Each phase as its solution and its end in s, until the sphere parts from the wall."""
+        """Each phase as its solution and the s of its end, until the sphere leaves the wall.
+
+        The sphere slides from the start if the slip exceeds the growth of the limit there.
+        """
         if self.excess(1, self.start) > 0:
             side = 1
         else:
@@ -318,7 +358,7 @@ class Mindlin:
                 return
             state = solution.at(end)
             if then == "caught":
-                # The stick begins with the stretch at its limit: k_t stretch = mu k w^2.
+                # The stick begins with the stretch at its limit: k_t stretch = side mu k w^2.
                 w = state[self.ROOT]
                 state[self.STRETCH] = side * self.mu * self.k / self.kt * w * w
                 side = 0
@@ -327,8 +367,9 @@ class Mindlin:
             s = end
 
     def ends(self, side: int) -> dict[int | str, Value]:
-        """The functions that are positive within a phase, by what follows: "apart", "caught" (a
-        stick), or the side of a slide.
+        """The functions that are positive within a phase, by the name of what follows their zero.
+
+        The names are "apart", "caught" (the slide ends in a stick), or the side of a slide.
         """
         ends: dict[int | str, Value] = {"apart": lambda y: y[self.ROOT]}
         if side:
@@ -341,7 +382,10 @@ class Mindlin:
     def first(
         self, solution: Solution, ends: Mapping[int | str, Value], low: float
     ) -> tuple[int | str, arb]:
-        """The name of the first function that falls through zero after s = `low`, and where."""
+        """The name of the first function that falls below 0 after s = `low`, and the s of its zero.
+
+        The functions are sampled in steps of `step`, and a change of sign is bisected.
+        """
         while True:
             high = low + self.step
             fallen = [name for name, value in ends.items() if value(solution.at(arb(high))) < 0]
@@ -356,7 +400,7 @@ class Mindlin:
 
 
 def mindlin_wall(p: Mapping[str, Any], times: Sequence[Fraction], claimed: Claimed) -> Results:
-    """A sphere on a wall with Mindlin's spring on Hertz's contact."""
+    """A sphere and a wall under Hertz's normal force with Mindlin's tangential spring."""
     law = Mindlin(p)
     contact = list(law.phases())
     last_phase, last_s = contact[-1]
@@ -380,9 +424,9 @@ def mindlin_wall(p: Mapping[str, Any], times: Sequence[Fraction], claimed: Claim
             begin = float(solution.begins[0])
             state = solution.at(solution.bisected(partial(late, time), begin, float(end)))
         w, v, state_time, vy, r_omega, y, _ = state
-        # After the contact it flies on; during it this is 0.
+        # The time since the end of the contact; it is 0 during the contact.
         flight = time - state_time
-        # d = w^2, and x = d - R.
+        # The wall is x = 0 and the sphere lies at x < 0: d = R + x, so that x = w^2 - R.
         position_x = w * w + v * flight - law.radius
         position_y = law.side * (y + vy * flight)
         spin = law.side * r_omega / law.radius
@@ -390,16 +434,17 @@ def mindlin_wall(p: Mapping[str, Any], times: Sequence[Fraction], claimed: Claim
 
 
 def late(time: arb, y: Sequence[arb]) -> arb:
-    """The time of a state less a given one."""
+    """The time t of a state of `Mindlin` minus a given one [s]."""
     return y[2] - time
 
 
 class Passing(Colliding):
-    """Two spheres on a prescribed path: body 1 at the origin, body 2 at (x, b) with a constant
-    spin, moving along x.
+    """Two spheres on a prescribed path: body 1 rests at the origin, body 2 is at (x, b).
 
-    The state is x, the impulse (2) and the turning impulse that body 1 has got, and the stretch of
-    the spring.
+    Body 2 has a constant velocity along x and a constant spin. The state is (x, p_x, p_y, h_z,
+    stretch) with the impulse p and the angular impulse h of the contact on body 1. In contrast to
+    `Spheres` the normal e points from body 1 to body 2, and slip and friction f are those of
+    body 2 relative to body 1.
     """
 
     def __init__(self, p: Mapping[str, Any]) -> None:
@@ -427,12 +472,13 @@ class Passing(Colliding):
         return [radius - self.beta * (self.reach - distance) for radius in self.radii]
 
     def holding(self, s: Sequence[Any]) -> Any:
-        """The spins stay what they are: no friction that keeps a slip at zero is asked for."""
+        """Not used: the motion is prescribed, so that friction cannot hold the slip at 0."""
         raise AssertionError("a prescribed path has no hold")
 
     def geometry(self, s: Sequence[Any]) -> tuple[Any, Any, Any, Any, Any, Any]:
-        """The normal is from 1 to 2, the tangent is it turned by +90 degrees; the rest as of
-        Spheres.
+        """(e_x, e_y, |r|, v_e, v_t, F) of body 2 relative to body 1.
+
+        r = (x, b), e = r/|r|, t = (-e_y, e_x), v = (speed, 0), F = k (R1 + R2 - |r|).
         """
         distance = (s[0] * s[0] + self.b * self.b).sqrt()
         ex = s[0] / distance
@@ -440,17 +486,18 @@ class Passing(Colliding):
         return ex, ey, distance, self.speed * ex, -self.speed * ey, self.k * (self.reach - distance)
 
     def slip(self, s: Sequence[Any]) -> Any:
+        """The velocity v_t - l2 omega2 of surface 2 relative to surface 1, which rests."""
         _, _, distance, _, across, _ = self.geometry(s)
         return across - self.levers(distance)[1] * self.spin
 
     def growth(self, s: Sequence[Any]) -> Any:
+        """dF/dt = k d' = -k v_e."""
         return -self.k * self.geometry(s)[3]
 
     def law(self, phase: str) -> Value:
-        """The law of a phase, a function of the state: the force F_t on body 2 along the tangent.
+        """Friction f on body 2 along t, as a function of the state, in a phase.
 
-        A stick has F_t = -k_t s with the spring's stretch s, the last coordinate of the state; a
-        slip has F_t = -mu F_n or mu F_n, against the slip.
+        Stick: f = -k_t stretch. Slip: f = -mu F or mu F, against the slip.
         """
         if phase == "slip-":
             side = -1
@@ -464,10 +511,12 @@ class Passing(Colliding):
         def rates(t: Any, s: Sequence[Any]) -> list[Any]:
             ex, ey, distance, _, _, force = self.geometry(s)
             f = friction(s)
-            # On body 1: -F e - f t, the reaction to body 2, and the torque -l1 f.
+            # p' = -F e - f t with t = (-e_y, e_x), the reaction on body 1, and h' = -l1 f, the
+            # moment of that friction at the arm l1 e.
             force_x = -force * ex + f * ey
             force_y = -force * ey - f * ex
             torque = -self.levers(distance)[0] * f
+            # x' = speed, written with s[0] * 0 so that it is a series where the state is one.
             return [s[0] * 0 + self.speed, force_x, force_y, torque, self.slip(s)]
 
         return rates
@@ -476,13 +525,14 @@ class Passing(Colliding):
         if then != "caught":
             return then, list(s)
         if not self.kt > 0:
-            # A slip that is prescribed passes through zero.
+            # Without a spring a prescribed slip passes through 0 and changes its sign.
             return OTHER_SLIP[phase], list(s)
+        # The spring begins at its limit: k_t stretch = +-mu F, with the sign of the slip.
         return "stick", [*s[:4], SIDES[phase[-1]] * self.mu * self.force(s) / self.kt]
 
 
 def frame(part: int, *rows: Sequence[int]) -> list[list[Fraction]]:
-    """The rotation matrix rows/part, which has rational entries."""
+    """The rotation matrix whose rows are `rows` divided by `part`; its entries are rational."""
     return [[Fraction(x, part) for x in row] for row in rows]
 
 
@@ -492,13 +542,14 @@ def passing(
     times: Sequence[Fraction],
     claimed: Claimed,
 ) -> Results:
-    """The impulses that the contact of a prescribed path gives body 1, and the path of body 2.
+    """The impulse and angular impulse of the contact on body 1, and the prescribed path of body 2.
 
-    `axes` has those of the plane and its normal as columns. The spheres touch at x = -sqrt((R1 +
-    R2)^2 - b^2), from where times of the contact count.
+    The columns of `axes` are the two axes of the plane and its normal, in axes of space. The
+    spheres touch at x = -sqrt((R1 + R2)^2 - b^2), where the time of the contact starts at 0.
     """
     law = Passing(p)
     zero = arb(0)
+    # Contact while |x| < sqrt((R1 + R2)^2 - b^2); body 2 is at x = speed t - begin.
     touch_x = (law.reach * law.reach - law.b * law.b).sqrt()
     touch_time = (law.begins - touch_x) / law.speed
     duration = 2 * touch_x / law.speed

@@ -1,5 +1,5 @@
-"""Witnesses of the oscillators: x'' from Newton's law by Taylor integration; a period is the time
-at which the motion is back.
+"""Witnesses of the oscillators: Newton's law x'' = f(t, x, v) by Taylor integration; a period is
+the time at which the state returns to the initial one.
 """
 
 from collections.abc import Callable, Mapping, Sequence
@@ -26,8 +26,7 @@ def motion(
 ) -> Results:
     """x and v at the times, and the period if one is claimed.
 
-    The period is the time near the claimed one at which v is 0 again after a start at rest, or x
-    has its first value again.
+    The period is the zero near the claimed value of v if v0 = 0, otherwise of x - x0.
     """
     start = [arb_of(x0), arb_of(v0)]
     solution = Solution(lambda t, y: [y[1], acceleration(t, y[0], y[1])], start)
@@ -61,7 +60,7 @@ def of(
 
     def values(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claimed) -> Results:
         x0, v0 = (number(p, name) if name else Fraction(0) for name in start)
-        # Of a damped motion only turning points come back after a period.
+        # In a damped motion only turning points, v = 0, repeat after a period.
         if "delta" in names and v0:
             claimed = {}
         force = acceleration({name: arb_of(number(p, name)) for name in names})
@@ -76,7 +75,7 @@ def hanging(p: dict[str, arb]) -> Force:
 
 
 def viscous(p: dict[str, arb]) -> Force:
-    """x'' = g - (k/m) x - 2 delta v: the same in a fluid."""
+    """x'' = g - (k/m) x - 2 delta v: the same with viscous damping."""
     return lambda t, x, v: p["gravity"] - p["stiffness"] / p["mass"] * x - 2 * p["delta"] * v
 
 
@@ -111,10 +110,10 @@ def van_der_pol(p: dict[str, arb]) -> Force:
 
 
 def power(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claimed) -> Results:
-    """The power oscillator m x'' = -k |x|^n sgn x; where n is no whole number, by `rooted`.
+    """The power oscillator m x'' = -k |x|^n sgn x; where n is not an integer, by `rooted`.
 
-    For whole n phase by phase from one passage of the centre to the next: the power is smooth on
-    either side. The first phase, from rest, is a quarter of a period, every other one a half.
+    For an integer n it is integrated in phases that end at x = 0, since the force is smooth on
+    either side. The first phase, from rest, is a quarter of a period, each later one a half.
     """
     exact = numbers(p, "mass", "stiffness", "exponent", "amplitude")
     if exact["exponent"].denominator != 1 and exact["amplitude"]:
@@ -151,10 +150,10 @@ def power(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claimed) -
 
 
 def rooted(exact: Mapping[str, Fraction], times: Sequence[Fraction]) -> Results:
-    """The power oscillator with the exponent a/b: a quarter of a period, mirrored for the rest.
+    """The power oscillator with the exponent n = a/b: a quarter of a period, and its reflections.
 
-    In s = x^(1/b), as a function of z with dt = b s^(b-1) dz, the motion is smooth at the centre:
-    ds/dz = v, dv/dz = -(k/m) s^a b s^(b-1). The state is (s, v, t).
+    The substitution x = s^b, dt = b s^(b-1) dz makes the equations smooth at x = 0: ds/dz = v,
+    dv/dz = -(k/m) s^a b s^(b-1), dt/dz = b s^(b-1). The state is (s, v, t).
     """
     a, b = exact["exponent"].as_integer_ratio()
     ratio = arb_of(exact["stiffness"] / exact["mass"])
@@ -181,7 +180,7 @@ def rooted(exact: Mapping[str, Fraction], times: Sequence[Fraction]) -> Results:
     for t in times:
         quarters = floor(float(arb_of(t) / quarter))
         in_quarter = arb_of(t) - quarters * quarter
-        # The second quarter is the first one run back, and so on.
+        # The second quarter is the time reversal of the first one, and so on.
         if quarters % 2 == 0:
             mirrored_time = in_quarter
         else:
@@ -194,7 +193,7 @@ def rooted(exact: Mapping[str, Fraction], times: Sequence[Fraction]) -> Results:
 
 
 def later(time: arb, y: Sequence[arb]) -> arb:
-    """The time of a state (s, v, t) less a given one."""
+    """The time t of a state (s, v, t) minus a given one [s]."""
     return y[2] - time
 
 
@@ -210,7 +209,7 @@ def pulled(n: int, strength: arb, t: Any, y: Sequence[Any]) -> list[Any]:
 
 
 def steadily_driven(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claimed) -> Results:
-    """The motion, and the steady amplitude |f0/(w0^2 - w^2 + 2 i delta w)|."""
+    """The motion, and the steady amplitude |f0/(w0^2 - w^2 + 2 i delta w)|, w0^2 = k/m."""
     yield from MOVING.values(p, times, claimed)
     e = {name: arb_of(number(p, name)) for name in ("mass", "stiffness", "delta", "f0", "drive")}
     response = acb(

@@ -1,5 +1,5 @@
-"""Witness of the sections of the mass on a belt: its motion phase by phase, read at n periods of
-the drive, and by a scan and the secant where v = 0 with x > 0.
+"""Witness of the Poincare sections of the mass on a belt: its state at multiples of the drive's
+period, and the times and positions of v = 0, x > 0 by a scan and the secant method.
 """
 
 from collections.abc import Iterator, Mapping, Sequence
@@ -20,7 +20,7 @@ METHOD = (
     " (refdem/truth/witnesses/poincare_sections.py)"
 )
 MOST_PERIODS = 16
-"""Periods in which points are looked for, of drive or spring, whichever is longer."""
+"""Length of the search in periods of the drive or of the spring, whichever is longer."""
 
 
 def sections(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claimed) -> Results:
@@ -56,7 +56,7 @@ def sections(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claimed
 def phases(
     law: Law, start: tuple[arb, arb], last: Fraction
 ) -> Iterator[tuple[Solution, int, arb, arb | None]]:
-    """Every slip and stick with its side, its begin and its end (None: after `last` [s])."""
+    """Every slip and stick as (solution, side, begin, end); the end is None if after `last` [s]."""
     begin: arb | None = arb(0)
     x, v = start
     while begin is not None:
@@ -70,7 +70,7 @@ def phases(
 
 
 def rests(phase: Solution, begin: float, end: float) -> list[tuple[arb, arb]]:
-    """Times and places at which v = 0 with x > 0 in a slip, after its begin."""
+    """Pairs (time, x) at which v = 0 and x > 0 within a slip, by sign changes of v on a grid."""
     found = []
     count = 1 + int((end - begin) / SCAN)
     grid = [begin + (end - begin) * k / count for k in range(count + 1)]

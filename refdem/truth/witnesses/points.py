@@ -1,5 +1,5 @@
-"""Witnesses of point masses: Newton's law in Cartesian coordinates by Taylor integration,
-constraint forces from their definition.
+"""Witnesses of point masses: Newton's law in Cartesian coordinates by Taylor integration, with the
+constraint force of a rod from its constant length.
 """
 
 from collections.abc import Mapping, Sequence
@@ -21,10 +21,12 @@ METHOD = (
 
 
 def pendulum(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claimed) -> Results:
-    """The pendulum in Cartesian coordinates, with theta from its rate.
+    """The pendulum in Cartesian coordinates, with theta integrated from its rate.
 
-    x'' = -T x/(m l), y'' = -g - T y/(m l) with the rod's force T = m (v^2 - g y)/l, and theta' = (x
-    vy - y vx)/l^2. The state is (x, y, vx, vy, theta).
+        x'' = -T x/(m l),    y'' = -g - T y/(m l),    theta' = (x vy - y vx)/l^2
+
+    with the force of the rod T = m (v^2 - g y)/l, which follows from r . r'' = -v^2. The state is
+    (x, y, vx, vy, theta).
     """
     length, gravity, mass, theta0, rate0 = (
         arb_of(number(p, name)) for name in ("length", "gravity", "mass", "theta0", "thetadot0")
@@ -60,8 +62,9 @@ def pendulum(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claimed
             turns = round(float(gain / (2 * arb.pi())))
 
         def from_return(s: Sequence[arb]) -> arb:
-            """Zero after a period: of the rate after a start at rest, else of theta, but for whole
-            turns.
+            """A function that is 0 after a period.
+
+            It is l^2 theta' if the start is at rest, otherwise theta - theta0 - 2 pi turns.
             """
             if rate0 == 0:
                 return s[0] * s[3] - s[1] * s[2]
@@ -71,10 +74,10 @@ def pendulum(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claimed
 
 
 def orbit(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claimed) -> Results:
-    """An orbit under Kepler's law or a central spring, from the apse on +x; the period at y = 0.
+    """An orbit in Kepler's field or on a central spring, from the apse on the +x axis.
 
-    r'' = -gm r/|r|^3, starting at a (1 - e) with v^2 = gm (1 + e)/(a (1 - e)); or r'' = -w^2 r,
-    starting at a with v = w a sqrt(1 - e^2).
+    r'' = -gm r/|r|^3 from x = a (1 - e) with v_y^2 = gm (1 + e)/(a (1 - e)); or r'' = -w^2 r from
+    x = a with v_y = w a sqrt(1 - e^2), w^2 = k/m. The period is the zero of y near the claimed one.
     """
     is_spring = p["stiffness"] is not None
     exact = numbers(p, "gm", "semi_major", "eccentricity")
@@ -106,16 +109,16 @@ def orbit(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claimed) -
 
 
 def _mass(p: Mapping[str, Exact]) -> Fraction:
-    """The mass [kg] of the body, 1 where the case has none."""
+    """The mass [kg] of the body, or 1 if the case has no such parameter."""
     if "mass" in p:
         return number(p, "mass")
     return Fraction(1)
 
 
 def free(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claimed) -> Results:
-    """A body that nothing acts on, r' = v, q' = omega q/2 with omega along z; or bodies in balance.
+    """A free body, r' = v and q' = omega q/2 with constant v and omega along z; or bodies at rest.
 
-    The state is (x, y, z, q).
+    The state is (x, y, z, q); members other than "free" are those of `balanced`.
     """
     if p["member"] != "free":
         yield from balanced(p, times)
@@ -124,6 +127,7 @@ def free(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claimed) ->
     spin = arb_of(number(p, "spin"))
 
     def field(t: Any, s: Sequence[Any]) -> list[Any]:
+        # q' = (0, 0, 0, omega_z) q/2
         w, x, y, z = s[3:]
         return [*velocity, -spin * z / 2, -spin * y / 2, spin * x / 2, spin * w / 2]
 
@@ -140,12 +144,11 @@ def free(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claimed) ->
 
 
 def balanced(p: Mapping[str, Any], times: Sequence[Fraction]) -> Results:
-    """Bodies of one weight on each other over the ground: nothing moves if every contact force is
-    the weight above it.
+    """Bodies of equal weight stacked on the ground, at rest if each contact bears the weight above.
 
-    With a stiffness the overlaps make these forces. Without one, a contact that touches exactly (no
-    gap, no overlap) can have any force that pushes. Nothing is said of bodies that are not in
-    balance.
+    With a stiffness k the force of a contact is -k gap, where the gap is negative. Without one, a
+    contact with the gap 0 can have any compressive force. No values are given for bodies that are
+    not in equilibrium.
     """
     weight = p["weight"]
     stiffness = p["stiffness"]

@@ -16,8 +16,9 @@ METHOD = "Taylor integration at 58 digits, unproven (truth/witnesses/quadratic_d
 
 
 def values(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claimed) -> Results:
-    """y [m], v [m/s], and the turning point: the way up with one sign of the drag, the way down
-    with the other.
+    """y [m] and v [m/s], the turning point and the terminal velocity.
+
+    Ascent and descent are integrated separately, with opposite signs of the drag.
     """
     gravity = arb_of(number(p, "gravity"))
     drag = arb_of(number(p, "drag") / number(p, "mass"))
@@ -42,7 +43,7 @@ def values(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claimed) 
         yield None, {"top": top, "top_time": turning}
     else:
         going_down = Solution(rates(1), [arb(0), arb_of(speed)])
-    # At the terminal velocity the drag bears the weight: c v_t^2 = m g.
+    # At the terminal velocity the drag balances the weight: c v_t^2 = m g.
     yield None, {"terminal_velocity": (gravity / drag).sqrt()}
     for t in times:
         if speed > 0 and arb_of(t) < turning:

@@ -1,15 +1,16 @@
-"""Witness of rigid impacts: the unknowns of the impact from a linear system, the time of impact by
-bisection.
+"""Witness of rigid impacts: velocities and impulse after the impact from a linear system, the time
+of impact by bisection.
 
-The formulas of the truth are not used. Right after the impact the velocities and angular velocities
-of the bodies and the three components of the impulse are unknown. They obey
+The formulas of the truth are not used. The unknowns are the velocities v' and angular velocities
+omega' after the impact and the impulse P on the first body. With the relative velocity g of the
+two contact points, the normal n and two tangents t_i they satisfy
 
     m (v' - v) = +-P,   J (omega' - omega) = r x (+-P) about each centre,
-    n.g' = -e n.g,   t_i.g' = -b t_i.g for two tangents t_i,
+    n.g' = -e n.g,   t_i.g' = -b t_i.g,
 
-a linear system that elimination solves. Where |P_t| > mu P_n comes out, the last two equations are
-those of sliding instead: the impulse has no part across the slip, and mu times the normal part
-against it.
+a linear system that is solved by elimination. If its solution has |P_t| > mu P_n, the contact
+slides, and the last two equations are replaced by two for the impulse: P has no component at right
+angles to both n and the slip, and its component against the slip is mu P_n.
 """
 
 from collections.abc import Callable, Mapping, Sequence
@@ -34,7 +35,7 @@ Triple = list[Any]
 
 
 class Sphere:
-    """Mass, moment of inertia, radius and motion of one sphere, as balls."""
+    """Mass, moment of inertia, radius, position, velocity and spin of one sphere, as Arb balls."""
 
     def __init__(
         self, mass: arb, moment: arb, radius: arb, r: Triple, v: Triple, omega: Triple
@@ -52,7 +53,7 @@ class Sphere:
 
 
 def product(a: Sequence[Any], b: Sequence[Any]) -> Triple:
-    """The vector product, by the permutations of three indices."""
+    """The vector product a x b of two vectors (3,)."""
     return [a[(i + 1) % 3] * b[(i + 2) % 3] - a[(i + 2) % 3] * b[(i + 1) % 3] for i in range(3)]
 
 
@@ -62,7 +63,7 @@ def along(a: Sequence[Any], b: Sequence[Any]) -> Any:
 
 
 def length(a: Sequence[Any]) -> arb:
-    """The length of a vector; of one that may be 0 all lengths that it may have."""
+    """The length of a vector; where its ball contains 0, a ball of all lengths from 0 on."""
     square = along(a, a)
     if square > 0:
         return arb(square.sqrt())
@@ -70,7 +71,8 @@ def length(a: Sequence[Any]) -> arb:
 
 
 def tangents(normal: Sequence[arb]) -> tuple[Triple, Triple]:
-    """Two vectors that are no multiples of each other, at right angles to the normal."""
+    """Two vectors at right angles to the normal and to each other, not normalised."""
+    # t1 = n x e_i with the axis i along which n is smallest, and t2 = n x t1.
     least = min(range(3), key=lambda axis: abs(float(normal[axis])))
     axis = [arb(int(i == least)) for i in range(3)]
     first = product(normal, axis)
@@ -78,10 +80,10 @@ def tangents(normal: Sequence[arb]) -> tuple[Triple, Triple]:
 
 
 class Equations:
-    """The linear system of one impact: rows of coefficients of the velocities after it and of the
-    impulse, and right-hand sides.
+    """The linear system of one impact: rows of coefficients, and their right-hand sides.
 
-    Unknowns: v', omega' of each sphere, then P on the first one.
+    The unknowns are v' and omega' of each sphere (6 numbers a sphere), then the impulse P on the
+    first sphere. With one sphere the other body is a wall at rest.
     """
 
     def __init__(self, spheres: Sequence[Sphere], normal: Triple) -> None:
@@ -102,7 +104,11 @@ class Equations:
         self.sides.append(side)
 
     def balances(self) -> None:
-        """Momentum and angular momentum of each sphere."""
+        """Adds the balance of momentum and of angular momentum of each sphere.
+
+        m v' - s P = m v and J omega' - s r x P = J omega, with s = 1 for the first sphere and -1
+        for the second one, and the arm r = s R n from the centre to the contact point.
+        """
         for body, sphere in enumerate(self.spheres):
             sign = 1 - 2 * body
             first = 6 * body
@@ -121,7 +127,10 @@ class Equations:
                 self.add(row, sphere.moment * sphere.omega[axis])
 
     def contact_row(self, direction: Triple) -> list[arb]:
-        """The coefficients of the velocity of the points that touch, along a direction."""
+        """The coefficients of the relative velocity of the contact points along a direction.
+
+        d . g = sum of s (d . v + d . (omega x r)) over the spheres, s = 1 and -1, r = s R n.
+        """
         row = self.blank()
         for body, sphere in enumerate(self.spheres):
             sign = 1 - 2 * body
@@ -134,7 +143,7 @@ class Equations:
         return row
 
     def contact_speed(self, direction: Triple) -> arb:
-        """The same velocity before the impact."""
+        """The relative velocity of the contact points along a direction before the impact [m/s]."""
         before = []
         for sphere in self.spheres:
             before += [*sphere.v, *sphere.omega]
@@ -149,7 +158,7 @@ class Equations:
 
 
 def sticking(spheres: Sequence[Sphere], normal: Triple, e: arb, b: arb) -> list[arb]:
-    """The unknowns where friction suffices."""
+    """The unknowns of an impact without the friction limit: n.g' = -e n.g, t_i.g' = -b t_i.g."""
     system = Equations(spheres, normal)
     system.balances()
     system.add(system.contact_row(normal), -e * system.contact_speed(normal))
@@ -159,22 +168,26 @@ def sticking(spheres: Sequence[Sphere], normal: Triple, e: arb, b: arb) -> list[
 
 
 def sliding(spheres: Sequence[Sphere], normal: Triple, e: arb, mu: arb) -> list[arb]:
-    """The unknowns where it does not: P lies in the plane of normal and slip, P_t = mu P_n against
-    the slip.
+    """The unknowns of an impact at the friction limit: n.g' = -e n.g, and |P_t| = mu P_n.
+
+    P lies in the plane of the normal n and of the slip before the impact, and P_t points against
+    that slip.
     """
     system = Equations(spheres, normal)
     system.balances()
     system.add(system.contact_row(normal), -e * system.contact_speed(normal))
     first, second = tangents(normal)
+    # The slip g_t = sum of (t_i . g)/(t_i . t_i) t_i; `against` is the unit vector a along it.
     parts = [system.contact_speed(t) / along(t, t) for t in (first, second)]
     slip = [parts[0] * x + parts[1] * y for x, y in zip(first, second, strict=True)]
     slip_speed = along(slip, slip).sqrt()
     against = [x / slip_speed for x in slip]
     across = product(normal, against)
+    # P . (n x a) = 0 with the unit slip a.
     row = system.blank()
     row[system.impulse :] = across
     system.add(row, arb(0))
-    # P.a + mu |P.n| = 0, and P.n < 0 on the first sphere.
+    # P.a = -mu |P.n|; P.n < 0 on the first sphere, so that P.a - mu P.n = 0.
     row = system.blank()
     row[system.impulse :] = [a - mu * n for a, n in zip(against, normal, strict=True)]
     system.add(row, arb(0))
@@ -185,6 +198,7 @@ def struck(
     spheres: Sequence[Sphere], normal: Triple, law: Mapping[str, arb]
 ) -> tuple[list[arb], Triple]:
     """The velocities after the impact, and the impulse on the first sphere."""
+    # P_n = -P . n and P_t = P + P_n n; sliding if |P_t| > mu P_n.
     e = law["restitution"]
     unknowns = sticking(spheres, normal, e, law["tangential_restitution"])
     impulse = unknowns[-3:]
@@ -197,7 +211,7 @@ def struck(
 
 
 def meeting(gap: Callable[[arb], arb], late: arb) -> arb:
-    """The time at which a gap closes, which is open at 0 and closed at `late`, by bisection."""
+    """The time in [0, late] at which `gap` changes from positive to negative, by bisection."""
     low = arb(0)
     high = late
     for _ in range(HALVINGS):
@@ -210,7 +224,7 @@ def meeting(gap: Callable[[arb], arb], late: arb) -> arb:
 
 
 def energy(spheres: Sequence[Sphere], velocities: Sequence[arb]) -> arb:
-    """The kinetic energy with these velocities [J]."""
+    """The kinetic energy sum of m v^2/2 + J omega^2/2 at these velocities [J]."""
     total = arb(0)
     for body, sphere in enumerate(spheres):
         v = velocities[6 * body : 6 * body + 3]
@@ -226,7 +240,10 @@ def said(
     law: Mapping[str, arb],
     times: Sequence[Fraction],
 ) -> Results:
-    """Scalars and states of a motion that has one impact."""
+    """The scalars, and the states at the times, of a motion with one impact.
+
+    Each sphere moves uniformly before and after the impact.
+    """
     after, impulse = struck(spheres, normal, law)
     before: list[arb] = []
     for sphere in spheres:
@@ -261,7 +278,7 @@ def said(
 
 
 def hard_spheres(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claimed) -> Results:
-    """Two spheres in the frame of their centre of mass."""
+    """Two free spheres in the frame of their centre of mass."""
     masses = [arb_of(x) for x in vector(p, "masses")]
     radii = [arb_of(x) for x in vector(p, "radii")]
     factors = [arb_of(x) for x in vector(p, "inertia_factors")]
@@ -285,7 +302,8 @@ def hard_spheres(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Cla
         """The branch vector r2 - r1 of the centres at t."""
         return [b - a for a, b in zip(spheres[0].at(t), spheres[1].at(t), strict=True)]
 
-    # At x = 0 the centres are closer than they ever may be.
+    # The spheres touch where |r2 - r1| = R1 + R2. When the x component of r2 - r1 is 0, their
+    # distance is below R1 + R2, which gives the upper end of the bisection.
     too_late = branch_at_start[0] / speed
     impact_time = meeting(lambda t: along(branch(t), branch(t)) - reach * reach, too_late)
     normal = [x / reach for x in branch(impact_time)]
@@ -308,7 +326,8 @@ def hard_wall(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claime
         [arb_of(x) for x in vector(p, "velocity")],
         [arb_of(x) for x in vector(p, "spin")],
     )
-    # The centre would be in the wall by the time at which it has come as far as it was away.
+    # With the unit normal n into the wall the sphere touches where -r . n = R. The centre would
+    # reach the wall, r . n = 0, at t = -(r . n)/(v . n): the upper end of the bisection.
     through = -along(sphere.r, into) / along(sphere.v, into)
     impact_time = meeting(lambda t: -along(sphere.at(t), into) - radius, through)
     law = {name: arb_of(number(p, name)) for name in LAW}

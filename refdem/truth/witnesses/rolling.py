@@ -1,10 +1,9 @@
 """Witness of a body that slides until it rolls: the angular momentum about the line of contact and
-the slip, in place of the velocities of the centre and of the turn.
+the slip as unknowns, in place of v and omega.
 
-Friction has no moment about the line of contact: v - f R omega grows by gravity along the slope
-alone, whatever slips. What is left to find is the slip, whose zero is looked for by bisection; the
-place is the integral of v, by Simpson's rule, which is exact for what grows uniformly. The sine and
-cosine of the slope are those of its angle.
+Friction has no moment about the line of contact, so that (v - f R omega)' = g sin a in sliding and
+in rolling, with J = f m R^2. The second unknown is the slip v + R omega, whose zero is found by
+bisection. The position is the integral of v by Simpson's rule, which is exact for a linear v.
 """
 
 from collections.abc import Mapping, Sequence
@@ -26,7 +25,7 @@ METHOD = (
 
 
 class Body:
-    """A round body on a slope: f, R, mu, and gravity along the slope and into it [m/s^2]."""
+    """A round body on a slope of angle a: f, R, mu, g sin a and g cos a [m/s^2], and its motion."""
 
     def __init__(self, p: Mapping[str, Exact]) -> None:
         angle = arb_of(number(p, "slope")).atan()
@@ -41,13 +40,13 @@ class Body:
         # The moment v - f R omega about the line of contact, and the slip v + R omega.
         self.moment = arb_of(speed) - self.factor * arb_of(surface)
         self.slip = speed + surface
-        # The friction that rolling takes, g sin a f/(1 + f), against the one there is.
+        # Rolling needs the friction m g sin a f/(1 + f) <= mu m g cos a: tan a f <= mu (1 + f).
         needed = number(p, "slope") * number(p, "inertia_factor")
         self.grips = needed <= number(p, "friction") * (1 + number(p, "inertia_factor"))
         self.end = self.slip_end()
 
     def slip_rate(self, side: int) -> arb:
-        """The rate of the slip [m/s^2]: F/m (1 + m R^2/J) beside gravity."""
+        """The rate s' = g sin a - side mu g cos a (1 + 1/f) of the slip [m/s^2]."""
         rubbing = self.friction * self.pressing
         return self.along - side * (rubbing + rubbing / self.factor)
 
@@ -73,7 +72,10 @@ class Body:
         return high
 
     def slip_at(self, t: arb) -> arb:
-        """The slip [m/s] at a time."""
+        """The slip [m/s] at the time t [s].
+
+        After the end of the first slip it is 0 if the body rolls; otherwise it increases from 0.
+        """
         side = (self.slip > 0) - (self.slip < 0)
         if self.end is not None and t > self.end:
             if self.grips:
@@ -86,14 +88,15 @@ class Body:
         return arb_of(self.slip) + self.slip_rate(side) * t
 
     def speeds(self, t: arb) -> tuple[arb, arb]:
-        """v [m/s] and omega [rad/s]: v - f R omega and v + R omega are known."""
+        """v [m/s] and omega [rad/s] at the time t [s]."""
+        # slip - moment = (v + R omega) - (v - f R omega) = (1 + f) R omega
         moment = self.moment + self.along * t
         slip = self.slip_at(t)
         surface = (slip - moment) / (1 + self.factor)
         return slip - surface, surface / self.radius
 
     def place(self, t: arb) -> arb:
-        """The way [m]: the integral of v by Simpson's rule, up to the end of the slip and on."""
+        """The position x [m]: the integral of v by Simpson's rule, split at the end of the slip."""
         ends = [arb(0), t]
         if self.end is not None and t > self.end:
             ends.insert(1, self.end)
@@ -127,7 +130,7 @@ def rolling(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claimed)
         yield None, {"reversal_time": body.end}
         return
     speed, spin = body.speeds(body.end)
-    # The energy that is missing is the work of friction.
+    # Work of friction = kinetic energy at the start + m g sin a x - kinetic energy at the end.
     before = energy(body, *body.speeds(arb(0)))
     fallen = body.mass * body.along * body.place(body.end)
     work = before + fallen - energy(body, speed, spin)

@@ -23,8 +23,9 @@ METHOD = (
 
 
 def rates(inertia: Sequence[arb]) -> Any:
-    """The field of a free body: Euler's equations J1 a' = (J2 - J3) b c and so on for omega_body =
-    (a, b, c), and q' = q omega_body/2.
+    """The right-hand side for a free body with omega_body = (a, b, c).
+
+    J1 a' = (J2 - J3) b c, J2 b' = (J3 - J1) c a, J3 c' = (J1 - J2) a b, and q' = q omega_body/2.
     """
     j1, j2, j3 = inertia
 
@@ -45,7 +46,7 @@ def rates(inertia: Sequence[arb]) -> Any:
 
 
 def quantities(state: Sequence[arb]) -> dict[str, arb]:
-    """omega_body, omega = R omega_body, the attitude with w >= 0, and R (body to space)."""
+    """omega_body, omega = R omega_body, the attitude q with w >= 0, and R (body to space)."""
     omega_body = state[:3]
     q = state[3:]
     if not q[0] >= 0:
@@ -81,9 +82,9 @@ def tumbling(
 
 
 def returned(solution: Solution, claimed: Claimed) -> dict[str, arb]:
-    """The period [s] of omega_body, near the claimed one; nothing for a motion that stands still.
+    """The period [s] of omega_body near the claimed one; empty if omega_body is nearly constant.
 
-    It is when the component that changes fastest at the start has its first value again.
+    It is the time at which the component with the largest initial rate has its initial value again.
     """
     start = solution.at(Fraction(0))
     slopes = [abs(float(rate.mid())) for rate in solution.field(arb(0), start)[:3]]
@@ -104,9 +105,7 @@ def free(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claimed) ->
 
 
 def beside_axis(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claimed) -> Results:
-    """The motion of a free body from omega_body plus `offset` times its size along the axis
-    `direction`.
-    """
+    """The motion of a free body from omega_body + offset |omega_body| e, e the axis `direction`."""
     omega = [arb_of(component) for component in vector(p, "omega_body")]
     length = sum((component * component for component in omega), arb(0)).sqrt()
     axis = int(str(p["direction"])) - 1
@@ -117,8 +116,8 @@ def beside_axis(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Clai
 def damped(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claimed) -> Results:
     """The body with internal damping c, by its angular momentum L in principal axes.
 
-    L' = L x (omega + c L x omega) with L x (L x omega) = L (L . omega) - omega |L|^2 and omega_i =
-    L_i/J_i: |L| is constant, the energy falls.
+    L' = L x omega + c L x (L x omega) with omega_i = L_i/J_i and L x (L x omega) = L (L . omega) -
+    omega |L|^2. |L| is constant and the energy decreases.
     """
     inertia = [arb_of(moment) for moment in vector(p, "inertia")]
     omega0 = [arb_of(component) for component in vector(p, "omega_body")]

@@ -1,10 +1,11 @@
-"""Witness of two spheres that spin about any axes: Newton's and Euler's laws for each body, with
-cross products, phase by phase.
+"""Witness of two spheres that spin about any axes: Newton's and Euler's laws of each body in
+vectors in space, phase by phase.
 
 The state s is r, v, omega of body 1 (0 to 8), the same of body 2 (9 to 17), and the stretch of the
-tangential spring (18 to 20), each with three components in axes of space. n is the unit vector from
-body 1 to body 2, d the overlap; the normal force F = k d + c v.n presses the bodies apart, v = v1 -
-v2 being their relative velocity.
+tangential spring (18 to 20), each with three components in axes of space. n = (r2 - r1)/|r2 - r1|
+is the unit vector from body 1 to body 2, d = R1 + R2 - |r2 - r1| the overlap and v = v1 - v2 the
+relative velocity, so that d' = v.n. The normal force F = k d + c v.n acts along -n on body 1 and
+along n on body 2.
 
 Phases: "free" (no friction), "slip" (k_t = 0), "stick" (the spring is within its limit), "clip"
 (the spring stays at its limit mu F/k_t); "apart" ends the contact.
@@ -24,8 +25,8 @@ from refdem.truth.witnesses.cross_check import Claimed, Results
 from refdem.truth.witnesses.taylor import Solution
 
 GRID = 256
-"""Looks for a switch in a contact; the first ones after a switch are 2^-12 of that apart, then
-twice as far, and so on.
+"""Steps per claimed duration in the search for the end of a phase. The first step after a switch is
+2^-12 of that, and each next one twice as long, up to the full step.
 """
 Vector = Sequence[Any]
 
@@ -49,6 +50,7 @@ class ContactState:
     """The geometry and the forces of a contact in one state, each computed once."""
 
     def __init__(self, bodies: "Bodies", s: Vector) -> None:
+        # v = v1 - v2,  n = (r2 - r1)/|r2 - r1|,  d = R1 + R2 - |r2 - r1|
         self.bodies = bodies
         self.s = s
         self.velocity = plus(s[3:6], s[12:15], -1)
@@ -65,16 +67,16 @@ class ContactState:
 
     @cached_property
     def arms(self) -> list[list[Any]]:
-        """The vectors (3) from the centres to where slip is: (R_i - beta d) n, -n for 2."""
+        """The arms (3) of the slip from the centres: (R1 - beta d) n and -(R2 - beta d) n."""
         return self._shortened(self.bodies.beta)
 
     @cached_property
     def torque_arms(self) -> list[list[Any]]:
-        """The vectors (3) from the centres to where friction turns the bodies."""
+        """The arms (3) of the torque of friction, of the same form with the beta of the torque."""
         return self._shortened(self.bodies.torque_beta)
 
     def _shortened(self, beta: Any) -> list[list[Any]]:
-        """The vectors (R_i - beta d) n (3), -n for 2."""
+        """The vectors (R1 - beta d) n and -(R2 - beta d) n (3)."""
         shortening = beta * self.overlap
         return [
             [x * (radius - shortening) * sign for x in self.normal]
@@ -83,7 +85,8 @@ class ContactState:
 
     @cached_property
     def slip(self) -> list[Any]:
-        """The tangential velocity (3) of surface 1 against surface 2: v_i + omega_i x arm_i."""
+        """The tangential velocity (3) of surface 1 relative to surface 2."""
+        # u = (v1 + omega1 x arm1) - (v2 + omega2 x arm2);  slip = u - (u . n) n
         s = self.s
         arm1, arm2 = self.arms
         surface1 = plus(s[3:6], crossed(s[6:9], arm1))
@@ -93,12 +96,15 @@ class ContactState:
 
     @cached_property
     def across(self) -> list[Any]:
-        """The relative velocity (3) across the normal, v - (v.n) n."""
+        """The tangential part v - (v.n) n (3) of the relative velocity."""
         return plus(self.velocity, self.normal, -self.along)
 
     @cached_property
     def growth(self) -> Any:
-        """dF/dt = k d' + c d'': d' = v.n, d'' = a.n + v.n', n' = -(v across)/distance."""
+        """The rate dF/dt = k d' + c d'' of the normal force.
+
+        d' = v.n and d'' = a.n + v.n', with a.n = -F (1/m1 + 1/m2) and n' = -(v - (v.n) n)/|r|.
+        """
         bodies = self.bodies
         normal_acceleration = -self.force * (1 / bodies.masses[0] + 1 / bodies.masses[1])
         turning = dot(self.velocity, self.across) / self.distance
@@ -106,16 +112,20 @@ class ContactState:
 
     @cached_property
     def excess(self) -> Any:
-        """The rate of force at which the slip stretches a clipped spring beyond its limit.
+        """The rate [N/s] at which the slip would stretch a spring at its limit beyond that limit.
 
-        k_t slip.s/|s| - mu dF/dt with the stretch s; where it falls to 0 the spring sticks again.
+        It is k_t slip.s/|s| - mu dF/dt with the stretch s. The contact sticks again where it
+        becomes 0.
         """
         stretch = self.s[18:21]
         stretching = self.bodies.kt * dot(self.slip, stretch) / dot(stretch, stretch).sqrt()
         return stretching - self.bodies.mu * self.growth
 
     def friction(self, phase: str) -> list[Any]:
-        """The friction force (3) on body 1: -k_t s of the spring, or -mu F slip/|slip|."""
+        """The friction force (3) on body 1 in a phase.
+
+        stick and clip: -k_t s with the stretch s; slip: -mu F slip/|slip|; free: 0.
+        """
         if phase in ("stick", "clip"):
             return [x * -self.bodies.kt for x in self.s[18:21]]
         if phase == "free":
@@ -126,8 +136,9 @@ class ContactState:
     def stretch_rate(self, phase: str) -> list[Any]:
         """The rate (3) of the spring's stretch s.
 
-        In a stick it takes the slip and turns with the normal, s' = slip + (n x n') x s. Clipped it
-        keeps |s| = mu F/k_t: its own growth along s is replaced by F'/F s.
+        stick: s' = slip + (n x n') x s; the second term turns s with the normal.
+        clip: |s| = mu F/k_t, so that |s|'/|s| = F'/F. The part (slip . s)/(s . s) s of s' along s
+        is replaced by (F'/F) s.
         """
         stretch = self.s[18:21]
         if phase not in ("stick", "clip"):
@@ -142,13 +153,13 @@ class ContactState:
 
 
 class Bodies:
-    """Two spheres with their law of contact, from the parameters of the case two-spheres."""
+    """Two spheres with their contact law, from the parameters of the case two-spheres."""
 
     def __init__(self, p: Mapping[str, Exact]) -> None:
         self.masses = [arb_of(mass) for mass in vector(p, "masses")]
         self.radii = [arb_of(radius) for radius in vector(p, "radii")]
         self.moments = [m * r * r * 2 / 5 for m, r in zip(self.masses, self.radii, strict=True)]
-        # beta of the slip, and that of the torque.
+        # beta of the arms of the slip and of the torque; "slip-R" has 0 and 1/2.
         branch = str(p["branch"])
         self.beta = {"R": arb(0), "R-d/2": arb(1) / 2, "R-d": arb(1), "slip-R": arb(0)}[branch]
         self.torque_beta = self.beta
@@ -159,9 +170,10 @@ class Bodies:
         self.pulls = p["cutoff"] == "zero_overlap" and number(p, "damping") > 0
 
     def start(self, p: Mapping[str, Exact]) -> list[arb]:
-        """The state at touch: the centres on the x axis, the centre of mass at rest.
+        """The state at first touch: the centres on the x axis, the centre of mass at rest.
 
-        r1 - r2 = (-(R1 + R2), 0, 0) and v1 - v2 has the closing speed at the angle from it.
+        r1 - r2 = (-(R1 + R2), 0, 0), and v1 - v2 has the size of the closing speed and makes the
+        angle `angle` with the x axis. Each body has the share m2/(m1 + m2) or -m1/(m1 + m2).
         """
         spins = vector(p, "spins")
         m1, m2 = self.masses
@@ -185,7 +197,11 @@ class Bodies:
         return ContactState(self, s).force
 
     def rates(self, phase: str, t: Any, s: Vector) -> list[Any]:
-        """The field: r' = v, m v' = -F n + f, J omega' = arm x f; the reaction on body 2."""
+        """The right-hand side of the equations of motion in a phase.
+
+        r1' = v1,    m1 v1' = f - F n,     J1 omega1' = arm1 x f,
+        r2' = v2,    m2 v2' = -f + F n,    J2 omega2' = arm2 x (-f)
+        """
         contact = ContactState(self, s)
         friction = contact.friction(phase)
         total_force = plus(friction, contact.normal, -contact.force)
@@ -201,7 +217,7 @@ class Bodies:
     def ends(self, phase: str) -> dict[str, Callable[[Vector], Any]]:
         """The functions that are positive within a phase, by the name of what follows their zero.
 
-        A normal force that may pull (`pulls`) ends with the overlap, any other with itself.
+        The contact ends where d = 0 if the normal force may pull (`pulls`), otherwise where F = 0.
         """
         if phase == "stick":
             return {"clip": self.margin}
@@ -219,14 +235,14 @@ class Bodies:
         return ends
 
     def margin(self, s: Vector) -> Any:
-        """The margin mu F - k_t |stretch| of the spring to its limit in state s."""
+        """How far the force of the spring is from its limit in state s, mu F - k_t |stretch|."""
         return self.mu * self.force(s) - self.kt * dot(s[18:21], s[18:21]).sqrt()
 
 
 def spinning(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claimed) -> Results:
     """r, v and omega of both spheres, and the duration of the contact if that is claimed.
 
-    Nothing is said of spheres that do not slip at touch: there friction has no direction.
+    No values are given for spheres without slip at first touch: friction has no direction there.
     """
     pair = Bodies(p)
     if all(component == 0 for component in ContactState(pair, pair.start(p)).slip):
@@ -249,12 +265,15 @@ def spinning(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claimed
             state = flown(last_phase.at(end), time - end)
         else:
             state = solution.at(t)
-        # The state goes on after the names with the stretch.
+        # The last three components of the state, the stretch, have no name.
         yield t, dict(zip(names, state, strict=False))
 
 
 def phases(pair: Bodies, s: list[arb], longest: float) -> Iterator[tuple[Solution, arb]]:
-    """Each phase as its solution and its end [s], at the latest a little after `longest` [s]."""
+    """Each phase as its solution and its end [s].
+
+    A phase without an end is cut off at 1.1 `longest` [s].
+    """
     if pair.kt > 0:
         phase = "stick"
     else:
@@ -274,10 +293,11 @@ def phases(pair: Bodies, s: list[arb], longest: float) -> Iterator[tuple[Solutio
 def switch(
     solution: Solution, values: Mapping[str, Callable[[Vector], Any]], begin: float, longest: float
 ) -> tuple[str, arb] | None:
-    """The name and the time of the first function that falls through zero; None if none does.
+    """The name and the time of the first function that falls below 0; None if none does.
 
-    The times are searched in steps that grow (GRID); a zero is refined by the secant.
+    The functions are sampled in steps that grow (GRID), and a zero is refined by the secant method.
     """
+    # A function may be 0 at `begin` itself: the search starts 2^-12 of a grid step later.
     low = begin + longest / GRID / 4096
     step = longest / GRID / 4096
     while low < 1.1 * longest:
@@ -296,7 +316,7 @@ def switch(
 
 
 def flown(s: Sequence[arb], t: arb) -> list[arb]:
-    """The state of both bodies after a free flight."""
+    """The state of both bodies after a free flight of t [s]: r + v t, the rest unchanged."""
     moved = list(s)
     for i in (0, 9):
         moved[i : i + 3] = plus(s[i : i + 3], s[i + 3 : i + 6], t)

@@ -49,8 +49,8 @@ solid.
 def rank(rows: Sequence[Sequence[Fraction]]) -> int:
     """The rank of a matrix of exact numbers, computed modulo a prime.
 
-    The rank modulo a prime is never larger, and smaller only if the prime divides a minor: it is
-    far larger than any number here.
+    The rank modulo a prime is at most the true rank. It is smaller only if the prime divides all
+    minors of that size, which is improbable for a prime far above the numbers here.
     """
     if not rows:
         return 0
@@ -188,8 +188,8 @@ def boxed(x: Fraction, y: Fraction, z: Fraction) -> Rule:
 def solids(p: Mapping[str, Exact]) -> dict[str, Rule]:
     """The rule of every solid of moments-of-inertia, by name.
 
-    `hollow` f is the part of its size that a hollow has. A plate is a solid of thickness 1 with all
-    points moved to z = 0.
+    `hollow` f is the size of the cavity relative to the solid. A plate is a solid of thickness 1
+    with all points projected to z = 0.
     """
     a, b, c, f = numbers(p, "a", "b", "c", "hollow").values()
     zero = Fraction(0)
@@ -424,7 +424,7 @@ def turns_by(p: Mapping[str, Exact], u: Sequence[arb]) -> dict[str, Sequence[Any
     in_turn = applied(matrix_of(u2_u1), v)
     in_other_order = applied(matrix_of(u1_u2), v)
     minus_u = [-x for x in u]
-    # From its matrix a quaternion comes back with w >= 0.
+    # The quaternion that is computed from a matrix has w >= 0.
     if u[0] > 0:
         back = u
     else:
@@ -491,7 +491,7 @@ PRODUCTS = (
 def rotations(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claimed) -> Results:
     """Every row of the case rotations, by products of turns about coordinate axes."""
     frequency = arb_of(number(p, "frequency"))
-    # Energy per moment of inertia: omega^2/2 with omega = 2 pi f, and with f in its place.
+    # Energy per moment of inertia: omega^2/2 with omega = 2 pi f, and f^2/2 for comparison.
     energy = (2 * arb.pi() * frequency) ** 2 / 2
     of_frequency = frequency * frequency / 2
     energies: dict[str, Sequence[Any]] = {

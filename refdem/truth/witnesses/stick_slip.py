@@ -1,5 +1,5 @@
-"""Witness of the stick-slip oscillator: slips by Taylor integration from Stribeck's law as it is
-written, sticking by the belt's motion.
+"""Witness of the stick-slip oscillator: Taylor integration of the slips under Stribeck's law, and
+uniform motion with the belt while the mass sticks.
 """
 
 from collections.abc import Mapping, Sequence
@@ -25,9 +25,9 @@ NAMES = ("a", "mu0", "mu1", "lambda0", "lambda1", "belt", "gamma", "eta")
 
 
 def moving(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claimed) -> Results:
-    """The motion phase after phase, slips and sticks, up to the last time.
+    """The motion as a sequence of slips and sticks, up to the last of the times.
 
-    Scalars are the times at which it begins to stick and is released.
+    The scalars are the times at which a stick or a slip begins.
     """
     law = Law(
         {name: arb_of(number(p, name)) for name in NAMES}, linear=p["friction_law"] == "linear"
@@ -61,7 +61,7 @@ def moving(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claimed) 
 
 
 class Law:
-    """The equation x'' = gamma cos(eta t) - x - a mu(belt) - a mu(|u|) sgn u, u = v - belt."""
+    """x'' = gamma cos(eta t) - x - a mu(|belt|) - a mu(|u|) sgn u, u = v - belt."""
 
     def __init__(self, e: Mapping[str, arb], *, linear: bool) -> None:
         self.e = e
@@ -78,19 +78,22 @@ class Law:
         return falling + e["mu1"] + growing * e["lambda1"]
 
     def pull(self, t: Any, x: Any) -> Any:
-        """P = gamma cos(eta t) - x - a mu(belt)."""
+        """The pull P = gamma cos(eta t) - x - a mu(|belt|)."""
         e = self.e
         return (t * e["eta"]).cos() * e["gamma"] - x - e["a"] * self.coefficient(abs(e["belt"]))
 
     def side(self, t: arb, x: arb, v: arb) -> int:
-        """1 or -1 where it slips forward or backward against the belt, 0 where it sticks."""
+        """1 or -1 where the mass slips forward or backward relative to the belt, 0 where it sticks.
+
+        It sticks where u = v - belt is 0 and |P| < a mu0.
+        """
         u = v - self.e["belt"]
         pull = self.pull(t, x)
         if abs(float(u)) > 1e-30:
             if u > 0:
                 return 1
             return -1
-        # At the limit itself, where a stick has just ended, it slips.
+        # With u = 0 it slips if |P| >= a mu0. Equality is the end of a stick, found by bisection.
         excess = abs(pull) - self.e["a"] * self.e["mu0"]
         is_released = excess > 0 or abs(float(excess)) < 1e-30
         if not is_released:
@@ -100,7 +103,7 @@ class Law:
         return -1
 
     def rates(self, side: int, t: Any, y: Sequence[Any]) -> list[Any]:
-        """The rates (v, P - side a mu(|u|)) of (x, v) in a slip to a side; (belt, 0) in a stick."""
+        """The rates (x', v'): (v, P - side a mu(|u|)) in a slip to a side, (belt, 0) in a stick."""
         if side == 0:
             return [self.e["belt"], arb(0)]
         x, v = y

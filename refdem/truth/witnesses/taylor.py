@@ -1,5 +1,5 @@
-"""Taylor integration at many digits without any proof: y' = f(t, y), midpoints alone, the step from
-the last coefficients.
+"""Taylor integration of y' = f(t, y) at many digits, without any proof: only midpoints of balls are
+used, and the step follows from the last coefficients.
 
 Order and step after Jorba and Zou, Experimental Mathematics 14 (2005) 99: the order is half the
 bits times log 2, the step rho/e^2 with the radius of convergence rho estimated from the last
@@ -18,19 +18,19 @@ from flint import arb, arb_poly, arb_series
 from refdem.truth.balls import arb_of, precision, series_length, terms_of
 
 Field = Callable[[Any, Sequence[Any]], list[Any]]
-"""The rates at (t, y), by + - * / and the methods of arb_series."""
+"""The right-hand side f(t, y), written with + - * / and the methods of arb_series."""
 BITS = 192
 """Bits of the coefficients, three times those of binary64."""
 LAST = 6
-"""Number of last coefficients from which the step is estimated: of a motion with symmetries only
-every fourth may differ from 0.
+"""Number of last coefficients from which the step is estimated. In a motion with symmetries it may
+be that only every fourth coefficient differs from 0.
 """
 
 
 class Solution:
-    """The motion y' = f(t, y) from `start` at t = `begin`, integrated as far as it is asked for.
+    """The motion y' = f(t, y) from `start` at t = `begin`, integrated as far as needed.
 
-    Piece i is a polynomial in t - begins[i] for each component, and serves until ends[i].
+    Piece i is a polynomial in t - begins[i] for each component, used up to the time ends[i].
     """
 
     def __init__(
@@ -74,6 +74,7 @@ class Solution:
             for _ in range(60):
                 if abs(b - a) < arb(2) ** (8 - self.bits) or value_a.mid() == value_b.mid():
                     break
+                # t_(k+1) = t_k - g(t_k) (t_k - t_(k-1))/(g(t_k) - g(t_(k-1)))
                 secant = (b - value_b * (b - a) / (value_b - value_a)).mid()
                 a = b
                 value_a = value_b
@@ -112,6 +113,7 @@ class Solution:
             coefficient = max(abs(polynomial[n]) for polynomial in series)
             if coefficient > 0:
                 radii.append(math.exp(-(_logarithm(coefficient) - math.log(start_size)) / n))
+        # Jorba and Zou: h = rho/e^2.
         step = arb(min(radii) / math.e**2)
         self.begins.append(begin)
         self.pieces.append(series)
@@ -121,7 +123,7 @@ class Solution:
     def _series(self, begin: arb, start: Sequence[arb]) -> list[arb_poly]:
         """The Taylor polynomials of the solution at `begin`, by Picard iteration.
 
-        Each pass y <- y(begin) + integral of f(t, y) makes one more coefficient right.
+        Each pass y <- y(begin) + integral of f(t, y) determines one more coefficient.
         """
         with series_length(1):
             series = [arb_series([value]) for value in start]

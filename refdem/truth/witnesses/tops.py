@@ -1,8 +1,8 @@
-"""Witness of the heavy top: Euler's equations about the tip in body axes, with the unit vector n
-along the vertical as it is seen from the body.
+"""Witness of the heavy top: Euler's equations about the tip in body axes, together with the upward
+vertical unit vector n in body axes.
 
-The state is omega_body (3), n (3), phi and psi; cos theta = n3. J1 is the moment across the axis,
-J3 along it.
+The state is omega_body (3), n (3), phi and psi; cos theta = n3. J1 is the moment of inertia about
+an axis through the tip across the axis of the body, J3 the one about the axis of the body.
 """
 
 from collections.abc import Mapping, Sequence
@@ -25,15 +25,17 @@ METHOD = (
 
 
 def heavy(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claimed) -> Results:
-    """The angles and thetadot = -(cos theta)'/sin theta; the scalars of a start at a turning point.
+    """The angles and thetadot = -(cos theta)'/sin theta, and the scalars of the nutation.
 
-    The period is then the time at which theta turns for the second time; the other end of the
-    nutation is where it turns first.
+    The scalars are given for a start with theta' = 0. The other end of the nutation is then the
+    first turning point of theta after the start, and the period the time of the second one.
     """
     names = ("theta0", "phidot0", "thetadot0", "spin", "mass", "length", "gravity")
     e = {name: arb_of(number(p, name)) for name in names}
     moments = [arb_of(j) for j in vector(p, "inertia")]
     sine, cosine = e["theta0"].sin_cos()
+    # phi = psi = 0 at the start: omega_body = (theta', phi' sin theta, w3) and n = (0, sin theta,
+    # cos theta).
     omega_body = [e["thetadot0"], e["phidot0"] * sine, e["spin"]]
     vertical = [arb(0), sine, cosine]
     start = [*omega_body, *vertical, arb(0), arb(0)]
@@ -59,7 +61,7 @@ def cosine_rate(s: Sequence[arb]) -> arb:
 
 
 def toppling(moments: Sequence[arb], weight: arb, t: Any, s: Sequence[Any]) -> list[Any]:
-    """The field of a heavy top; `weight` is m g l [N m].
+    """The right-hand side of the equations of a heavy top; `weight` is m g l [N m].
 
     J omega' = (J omega) x omega + m g l (n2, -n1, 0),    n' = n x omega,
     phi' = (omega1 n1 + omega2 n2)/(n1^2 + n2^2),    psi' = omega3 - phi' n3.

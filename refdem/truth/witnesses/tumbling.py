@@ -1,5 +1,5 @@
-"""Witness of the box on a slope: Euler's equations in body axes with R as nine numbers, contacts by
-a scan and bisection.
+"""Witness of the box on a slope: Euler's equations in body axes with the nine entries of R as
+coordinates; contacts are found by a scan and bisection.
 """
 
 from collections.abc import Mapping, Sequence
@@ -23,12 +23,16 @@ METHOD = (
 SCAN = 1 / 8192
 """Step [s] in which the motion is searched for events."""
 OFF, PRESSES, IDLES = range(3)
-"""Modes of a corner: above the slope; in it and pressing; in it, but its force would pull."""
+"""Modes of a corner: above the plane; below it with a force F > 0; below it with the force 0,
+because k depth - c v.n would be negative.
+"""
 
 
 def moving(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claimed) -> Results:
-    """The member free as a free rigid body with a centre that moves uniformly; the box on the slope
-    from event to event.
+    """The states of the member: a free box, or a box on the slope.
+
+    The free box is a free rigid body whose centre moves uniformly. On the slope the equations of
+    motion are integrated from one change of a corner's mode to the next.
     """
     if p["member"] == "free":
         for t, values in rotations.free(p, times, claimed):
@@ -57,7 +61,7 @@ def moving(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claimed) 
 
 
 class Box:
-    """A box over the plane with the unit normal `normal`, with forces at its eight corners.
+    """A box above the plane r . n = 0 with the unit normal n, with forces at its eight corners.
 
     The state is R row by row (0 to 8, body to space), omega_body (9 to 11), position (12 to 14) and
     velocity (15 to 17).
@@ -69,7 +73,7 @@ class Box:
         self.p = p
         self.inertia = [arb_of(j) for j in vector(p, "inertia")]
         self.normal = [self.e["slope"].sin(), arb(0), self.e["slope"].cos()]
-        # The square of side i of a box is 6 (J1 + J2 + J3 - 2 J_i)/m.
+        # J_1 = m (b^2 + c^2)/12 and so on: side_i^2 = 6 (J1 + J2 + J3 - 2 J_i)/m.
         total = sum(self.inertia, arb(0))
         x, y, z = ((6 * (total - 2 * j) / self.e["mass"]).sqrt() / 2 for j in self.inertia)
         self.corners = [
@@ -80,7 +84,7 @@ class Box:
         ]
 
     def start(self) -> list[arb]:
-        """The initial state: matrix, rates, position and velocity."""
+        """The initial state (18): R row by row, omega_body, position, velocity."""
         of_attitude = rotations.quantities([arb(0)] * 3 + self.unit())
         matrix = [of_attitude[f"R.{i}{j}"] for i in "xyz" for j in "xyz"]
         omega_body = [arb_of(w) for w in vector(self.p, "omega_body")]
@@ -100,6 +104,7 @@ class Box:
         arm = R c and velocity = v + R (omega_body x c) for the corner c in body axes; depth = -(r +
         arm) . n; force = k depth - c velocity . n.
         """
+        # R has the rows y[0:3], y[3:6] and y[6:9].
         arm_body = self.corners[number]
         omega_body = y[9:12]
         velocity_body = crossed(omega_body, arm_body)
@@ -111,10 +116,13 @@ class Box:
         return arm, depth, force, velocity
 
     def rates(self, modes: tuple[int, ...], t: Any, y: Sequence[Any]) -> list[Any]:
-        """The field: R' = R [omega], J omega' = (J omega) x omega + R^T torque, r' = v, m v' = F.
+        """The right-hand side of the equations of motion.
 
-        A corner that presses adds push n - mu push slip/|slip| to the force, and its moment about
-        the centre to the torque.
+            R' = R [omega_body],    J omega_body' = (J omega_body) x omega_body + R^T T,
+            r' = v,                 m v' = F,    [w] a = w x a
+
+        F is the weight and, for each corner in the mode PRESSES, f = N n - mu N slip/|slip| with
+        the normal force N and slip = v - (v . n) n of the corner; T is the sum of arm x f.
         """
         force = [y[0] * 0, y[0] * 0, y[0] * 0 - self.e["mass"] * self.e["gravity"]]
         torque = [y[0] * 0] * 3
@@ -138,7 +146,7 @@ class Box:
             (c * a * (j3 - j1) + torque_body[1]) / j2,
             (a * b * (j1 - j2) + torque_body[2]) / j3,
         ]
-        # Each row of R changes by its cross product with omega_body.
+        # R' = R [omega_body]: each row of R has the rate row x omega_body.
         matrix_rate = [x for i in range(3) for x in crossed(y[3 * i : 3 * i + 3], (a, b, c))]
         acceleration = [f / self.e["mass"] for f in force]
         return [*matrix_rate, *omega_rate, *y[15:18], *acceleration]
@@ -146,7 +154,7 @@ class Box:
     def event(
         self, phase: Solution, modes: list[int], begin: float, last: float
     ) -> tuple[arb, int, int] | None:
-        """The first event as its time, corner and next mode; None if none is before `last`."""
+        """The first event as its time, corner and next mode; None if none is before `last` [s]."""
         t = begin
         while t <= last:
             t += SCAN
@@ -164,8 +172,9 @@ class Box:
     ) -> tuple[arb, int, int] | None:
         """The event (time, corner, next mode) of one corner in the step before t; None if none.
 
-        It touches, would pull, leaves, or presses again. Without damping the force ends with the
-        depth, so that a corner that would pull is off.
+        OFF to PRESSES where the depth becomes positive; PRESSES to IDLES where the force becomes
+        negative; IDLES to OFF where the depth becomes negative, IDLES to PRESSES where the force
+        becomes positive. Without damping force and depth vanish together: PRESSES to OFF.
         """
         _, depth, push, _ = self.corner(phase.at(arb(t)), number)
         low = max(begin, t - SCAN) + 1e-9

@@ -1,6 +1,5 @@
-"""A turned body and a triangle as a witness has them: the tensor from the places of its masses in
-space, its principal moments as roots of the characteristic polynomial, the height by Lagrange's
-identity.
+"""Witness of a rotated body and a triangle: the tensor from the positions of the masses in space,
+principal moments as roots of the characteristic polynomial, the height by Lagrange's identity.
 """
 
 from collections.abc import Mapping, Sequence
@@ -22,7 +21,7 @@ def of_body(p: Mapping[str, Exact]) -> dict[str, Sequence[Any]]:
     masses = vector(p, "masses")
     phi, theta, psi = (arb_of(x) for x in vector(p, "euler"))
     rotation = about("z", phi) * about("x", theta) * about("z", psi)
-    # The masses are where the turn takes the unit vectors: at its columns.
+    # Mass k is at column k of the rotation: J_ij = sum m_k (delta_ij - R_ik R_jk), as |R_k| = 1.
     whole = arb_mat(3, 3)
     for k, mass in enumerate(masses):
         for i in range(3):
@@ -30,7 +29,7 @@ def of_body(p: Mapping[str, Exact]) -> dict[str, Sequence[Any]]:
                 across = int(i == j) - rotation[i, k] * rotation[j, k]
                 whole[i, j] += arb_of(mass) * across
     omega = arb_mat([[arb_of(x)] for x in vector(p, "omega")])
-    # L = J omega about the third axis, from the two masses that turn; E = L omega/2.
+    # L = (m1 + m2) omega about the third axis, E = L omega/2, omega = 2 pi f.
     spin = 2 * arb.pi() * arb_of(number(p, "frequency"))
     momentum = (arb_of(masses[0]) + arb_of(masses[1])) * spin
     energy = momentum * spin / 2
@@ -46,8 +45,9 @@ def of_body(p: Mapping[str, Exact]) -> dict[str, Sequence[Any]]:
 
 
 def characteristic_roots(masses: Sequence[Fraction]) -> list[arb]:
-    """The roots, in rising order, of the characteristic polynomial of the tensor M 1 - diag(masses)
-    with M = the sum of the masses: its invariants do not change in a turn.
+    """The eigenvalues, in rising order, of the tensor M 1 - diag(masses), M the sum of the masses.
+
+    They are invariant under rotations.
 
     With the elementary symmetric functions M, e2 and e3 of the masses they are M - m for the roots
     m of m^3 - M m^2 + e2 m - e3.
@@ -65,8 +65,9 @@ def characteristic_roots(masses: Sequence[Fraction]) -> list[arb]:
 
 
 def of_triangle(p: Mapping[str, Exact]) -> dict[str, Sequence[Any]]:
-    """The rows of the triangle, by name: b x (a x b)/b^2 is what of a is across b, and its square
-    is a^2 - (a . b)^2/b^2.
+    """The rows of the triangle with the corner a over the base b, by name.
+
+    The component of a at right angles to b is b x (a x b)/b^2, and its square a^2 - (a . b)^2/b^2.
     """
     shifts = vector(p, "shifts")
     corner = shifts[:3]

@@ -1,8 +1,8 @@
-"""Products of turns and of quaternions, and the rows of the case rotations about commutation, about
-nine entries and four, and about multiples of an angle, as its witness has them.
+"""Products of rotations and of quaternions, and the rows of the case rotations on commutation, on
+steps with nine entries or four, and on multiples of an angle, for its witness.
 
-Quaternions are (w, x, y, z), matrices lead from the body to space. The nearest rotation is
-M (M^T M)^(-1/2), the angle of a turn M is 2 asin(|M - 1|/sqrt 8).
+Quaternions are (w, x, y, z); matrices map from the body to space. The rotation nearest to a matrix
+M is M (M^T M)^(-1/2); the angle of a rotation M is 2 asin(|M - 1|/sqrt 8), Frobenius norm.
 """
 
 from collections.abc import Mapping, Sequence
@@ -99,8 +99,9 @@ def commuting(p: Mapping[str, Exact]) -> dict[str, Sequence[Any]]:
 
 
 def rate_matrices(p: Mapping[str, Exact]) -> dict[str, Sequence[Any]]:
-    """The matrix from rates of Euler's angles to omega, whose columns are the axes of the turns as
-    the turns before carry them, and its inverse by elimination.
+    """The matrix from the rates of Euler's angles to omega, and its inverse by elimination.
+
+    Its columns are the axes of the three rotations in space: e_z, R_phi e_x and R_phi R_theta e_z.
     """
     phi, theta, _ = (arb_of(x) for x in vector(p, "euler"))
     first = about("z", phi)
@@ -114,8 +115,9 @@ def rate_matrices(p: Mapping[str, Exact]) -> dict[str, Sequence[Any]]:
 
 
 def swept(p: Mapping[str, Exact]) -> dict[str, Sequence[Any]]:
-    """omega x r as the pure part of a product of quaternions, and its square by Lagrange's
-    identity.
+    """omega x r as the vector part of (0, omega)(0, r), and related products.
+
+    Lagrange's identity: |omega x r|^2 = omega^2 r^2 - (omega . r)^2.
     """
     omega = vector(p, "omega")
     arm = vector(p, "shifts")[:3]
@@ -200,11 +202,12 @@ def of_a_step(
     s = (1 + square).sqrt()
     inverse_root = identity() + cross * cross * (1 / (s * (1 + s)))
     nine_back = inverse_root * nine
+    # q + h omega q/2, and its normalisation.
     rate = [component / 2 for component in hamilton([arb(0), *turn], q)]
     four = [component + change for component, change in zip(q, rate, strict=True)]
     length = sum((component * component for component in four), arb(0)).sqrt()
     four_back = [component / length for component in four]
-    # exp(v/2) as a quaternion, by that of a complex number.
+    # exp(v/2) = (cos(|v|/2), sin(|v|/2) v/|v|), from exp(i |v|/2).
     angle = square.sqrt()
     half_turn = acb(0, angle / 2).exp()
     rows: dict[str, Sequence[Any]] = {

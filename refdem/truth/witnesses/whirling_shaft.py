@@ -1,5 +1,5 @@
-"""The witness of whirling-shaft: Newton's law in Cartesian coordinates by Taylor integration, and
-the power of both dashpots on a circle for the border.
+"""Witness of the whirling shaft: Newton's law in Cartesian coordinates by Taylor integration; the
+border of stability from the power of both dashpots on a circle.
 """
 
 from collections.abc import Mapping, Sequence
@@ -26,7 +26,7 @@ def values(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claimed) 
     turning = number(p, "turning")
 
     def rates(t: Any, state: Sequence[Any]) -> list[Any]:
-        """The fluid inside moves at (-W y, W x)."""
+        """m r'' = -k r - c_e v - c_i (v - W e_z x r), with W e_z x r = (-W y, W x)."""
         x, y, vx, vy = state
         slip_x = vx + y * arb_of(turning)
         slip_y = vy - x * arb_of(turning)
@@ -38,8 +38,8 @@ def values(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claimed) 
     solution = Solution(rates, start)
     yield None, {"growth_rate": growth_rate(mass, stiffness, outer, inner, turning)}
     if inner:
-        # On a circle at the rate w0, of radius 1: what the outer dashpot takes, c_e w0^2, is what
-        # the inner one gives, c_i w0 (W - w0).
+        # On a circle of radius 1 at the rate w0 the outer dashpot dissipates the power c_e w0^2,
+        # and the inner one supplies c_i w0 (W - w0). Both are equal at W = w0 + c_e w0/c_i.
         w0 = arb_of(stiffness / mass).sqrt()
         yield None, {"border": w0 + arb_of(outer) * w0 * w0 / (arb_of(inner) * w0)}
     for t in times:
@@ -64,7 +64,7 @@ def growth_rate(
         mass**2,
     ]
     polynomial = fmpq_poly([fmpq(c.numerator, c.denominator) for c in map(Fraction, coefficients)])
-    # Each with how often it occurs.
+    # Pairs of root and multiplicity.
     roots: list[Any] = polynomial.complex_roots()
     largest: arb = max((root.real for root, _ in roots), key=float)
     return largest
