@@ -1,9 +1,13 @@
-"""Box-counting and correlation dimension of a set of points on a line or in the plane: 0 for a
-periodic motion, 1 for one that fills intervals or a curve, 2 for one that fills areas, and a number
-between for a fractal.
+"""Box-counting and correlation dimension of a set of points on a line or in the plane.
 
-Boxes are counted alike, however many points they hold; pairs weigh a place by how often it is
-visited, so that the correlation dimension is at most that of boxes.
+A dimension is 0 for a periodic motion, 1 for one that fills intervals or a curve, 2 for one that
+fills areas, and not an integer for a fractal. With boxes of size 2^-k, N(k) of which hold a point,
+and C(k) pairs of points closer than 2^-k,
+
+    D_box = lim log2 N(k)/k,   D_corr = lim -log2 C(k)/k.
+
+Every box counts once, whereas pairs weight a region by the number of its points. The correlation
+dimension is therefore at most the box-counting dimension.
 """
 
 from collections.abc import Sequence
@@ -17,26 +21,26 @@ AT_ONCE = 2**22
 
 
 def box_counts(points: Array, halvings: Sequence[int]) -> Array:
-    """How many (K,) of the boxes that halving every axis k times makes hold a point, for each
-    number k of halvings: 2^k of points (N,) on a line, 2^(k D) of points (N, D).
+    """Numbers N(k) (K,) of boxes that hold a point, for each number k of halvings of every axis.
 
-    Boxes reach from the least to the largest coordinate along each axis, which no dimension depends
-    on; along each axis the points must not all be one.
+    There are 2^k boxes for points (N,) on a line, and 2^(k D) for points (N, D). They cover the
+    range from the least to the largest coordinate along each axis, which does not change a
+    dimension. Along each axis at least two coordinates must differ.
     """
     columns = points.reshape(len(points), -1)
     low = np.min(columns, axis=0)
     part = (columns - low) / np.ptp(columns, axis=0)
     counts = []
     for k in halvings:
-        # The largest point is in the last box, as those just below it are.
+        # The largest coordinate, part = 1, belongs to the last box.
         box = np.minimum(np.floor(part * 2.0**k), 2.0**k - 1)
         counts.append(len(np.unique(box, axis=0)))
     return np.array(counts, float)
 
 
 def return_map(places: Array) -> Array:
-    """The points (N - 1, 2) of the plane that have each place but the last, and the one after it,
-    as coordinates: a motion that a map of the line makes lies on the graph of the map.
+    """The points (x_n, x_n+1) (N - 1, 2) of the plane, from iterates x (N,). For an iterated map x
+    -> f(x) of the line they lie on the graph of f.
     """
     return np.column_stack((places[:-1], places[1:]))
 
@@ -45,10 +49,11 @@ def box_dimension(points: Array, first: int, last: int) -> tuple[float, float]:
     """The mean of log2 N(k + 1) - log2 N(k) from `first` to `last` halvings, and its standard error
     from its spread over the halvings.
 
-    A set that is similar to itself by another ratio than 2 has counts that rise unevenly, which the
-    error includes. It does not include boxes that too few points left empty: those of a set that
-    fills intervals are all counted while its rarest box expects a few points. Nor does it include
-    coarse boxes: a smooth curve has counts near a 2^k + b, and a mean above 1 until b is small.
+    The counts of a set that is self-similar with a ratio other than 2 rise unevenly; the error
+    includes this. It does not include two systematic errors. Boxes may stay empty because there are
+    too few points: all boxes of a set that fills intervals are counted only while a few points are
+    expected in the least visited one. And coarse boxes are biased: a smooth curve has counts near a
+    2^k + b, whose gains differ from 1 until b is small against a 2^k.
     """
     gains = np.diff(np.log2(box_counts(points, range(first, last + 1))))
     error = float(np.std(gains, ddof=1)) / np.sqrt(len(gains))
@@ -56,10 +61,10 @@ def box_dimension(points: Array, first: int, last: int) -> tuple[float, float]:
 
 
 def correlation_counts(points: Array, halvings: Sequence[int]) -> Array:
-    """How many (K,) pairs of points (N,) on a line, or (N, D), are closer than 2^-k of the largest
-    distance between any two, for each number k of halvings.
+    """Numbers C(k) (K,) of pairs of points (N,) on a line, or (N, D), that are closer than 2^-k
+    times the largest distance between any two, for each number k of halvings.
 
-    A distance is the largest difference of any coordinate. Points that coincide are a pair, too.
+    The distance is that of the maximum norm. Coinciding points are counted as a pair.
     """
     columns = points.reshape(len(points), -1)
     part = columns / np.max(np.ptp(columns, axis=0))
@@ -83,7 +88,7 @@ def _exponents(part: Array, begin: int, end: int) -> NDArray[np.int64]:
     distance = np.zeros((end - begin, len(part) - begin))
     for column in part.T:
         np.maximum(distance, np.abs(column[begin:end, None] - column[begin:]), out=distance)
-    # distance = m 2^e with 1/2 <= m < 1; of a distance 0 every e is one.
+    # distance = m 2^e with 1/2 <= m < 1, so that distance < 2^e. A distance of 0 gets the least e.
     mantissa, exponents = np.frexp(distance)
     exponents[mantissa == 0] = np.iinfo(np.int32).min
     is_later = np.arange(len(part) - begin) > np.arange(end - begin)[:, None]
@@ -95,12 +100,12 @@ def correlation_dimension(points: Array, first: int, last: int) -> tuple[float, 
     from its spread over the halvings and from the numbers of pairs; C(k) counts the pairs closer
     than 2^-k (Grassberger and Procaccia 1983).
 
-    The spread includes the unevenness of a set that is similar to itself by another ratio than 2.
-    The mean is the slope between both ends alone, so that C counted pairs add 1/sqrt(C) of the
-    natural logarithm at each. What the error does not include: at large distances the ends of a set
-    lack pairs, a part near 2^-k of a gain; and where a density rises as 1/sqrt at a place, as a map
-    with a smooth maximum makes it, pairs go as r log(1/r), and gains come to 1 as slowly as 1 -
-    1/log(1/r).
+    The spread includes the unevenness of a set that is self-similar with a ratio other than 2. The
+    mean is (log2 C(first) - log2 C(last))/(last - first), so that the counting errors 1/sqrt(C) of
+    ln C at both ends contribute. The error does not include two systematic errors. At large
+    distances points near the ends of a set have fewer neighbours, a relative error of about 2^-k of
+    a gain. And an inverse square root singularity of the density, as a map with a smooth maximum
+    has it, makes C proportional to r log(1/r), so that gains approach 1 only as 1 - 1/log(1/r).
     """
     counts = correlation_counts(points, range(first, last + 1))
     gains = -np.diff(np.log2(counts))

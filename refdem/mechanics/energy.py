@@ -1,5 +1,5 @@
-"""Kinetic energy of rigid bodies: T = (sum m v.v + sum J_k omega_k^2)/2, with omega in body axes;
-and its parts, which a motion exchanges.
+"""Kinetic energy of rigid bodies, T = (sum m v.v + sum J_k omega_k^2)/2 with omega in body axes,
+and its parts by degree of freedom.
 """
 
 import numpy as np
@@ -29,7 +29,7 @@ def kinetic_parts(
     """The parts (T, N, 6) [J] of the kinetic energy of every body: of translation along each axis
     of space, m v_k^2/2, and of rotation about each principal axis, J_k omega_k^2/2.
 
-    All axes of a body with equal moments are principal ones, and those of space are taken. The
+    For a body with equal moments, all of whose axes are principal, the axes of space are used. The
     arguments are those of `kinetic`.
     """
     omega_body = rotated(conjugate(attitude), omega)

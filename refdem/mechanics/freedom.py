@@ -11,8 +11,8 @@ from numpy.typing import ArrayLike, NDArray
 Array = NDArray[np.float64]
 
 RANK_TOLERANCE = 1e-9
-"""Singular values below this part of the largest count as zero; those of independent unit rods are
-far above it.
+"""Relative size of singular values that count as zero; those of independent unit rods are far
+larger.
 """
 
 
@@ -37,8 +37,8 @@ def first_order_freedom(position: ArrayLike, rods: Sequence[tuple[int, int]]) ->
     """Number of independent velocities that keep all rod lengths to first order: N D minus the rank
     of the Jacobian.
 
-    A degenerate placement (all points in a plane, or on a line) has more of them than finite
-    motions.
+    In a degenerate configuration (all points in a plane, or on a line) some of them do not extend
+    to finite motions.
     """
     if not len(rods):
         return int(np.asarray(position).size)
@@ -61,13 +61,14 @@ def rigid_freedom(position: ArrayLike) -> int:
 
 
 def orthogonal_freedom(turn: Array) -> int:
-    """Number of independent rates X (3, 3) of nine entries M = `turn` that keep M^T M: 9 minus the
-    rank of X -> M^T X + X^T M, that is of six conditions.
+    """Number of independent rates X (3, 3) of the nine entries of M = `turn` that leave M^T M
+    constant: 9 minus the rank of X -> M^T X + X^T M, which is 6 for a rotation matrix.
     """
     conditions = []
     for entry in range(9):
         rate = np.zeros(9)
         rate[entry] = 1.0
+        # M^T X + X^T M = 0.
         half = turn.T @ rate.reshape(3, 3)
         conditions.append((half + half.T).ravel())
     return 9 - rank(np.array(conditions))

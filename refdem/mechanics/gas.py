@@ -34,6 +34,7 @@ def collisions(t: Array, temperature: Array, rate: float, n: int) -> Array:
         is_flat = np.abs(u_change) < 1e-6 * u_before
         logarithmic = np.log(u_after / u_before) / u_change
         mean = np.where(is_flat, 2 / (u_after + u_before), logarithmic)
+    # N = (n - 1)/2 rate <sqrt(T)> dt.
     per_interval = 0.5 * (n - 1) * rate * mean * np.diff(t)
     return np.concatenate([[0.0], np.cumsum(per_interval)])
 
@@ -41,10 +42,10 @@ def collisions(t: Array, temperature: Array, rate: float, n: int) -> Array:
 def loss_error(restitution: float, n: int, n_collisions: Array) -> Array:
     """Standard error (T,) of ln T after `n_collisions` (T,) collisions.
 
-    A collision takes the energy (1 - e^2) m v_n^2/4, with v_n^2 exponentially distributed and of
-    mean 4 T/m, from a total of 3 (n - 1) T/2. The sum over collisions is a compound Poisson sum,
-    whose variance is their number times the mean square, 2 ((1 - e^2) T)^2. That a colder gas cools
-    less reduces the scatter, and is left out.
+    A collision dissipates the energy (1 - e^2) m v_n^2/4 of a total of 3 (n - 1) T/2, where v_n^2
+    is distributed exponentially with mean 4 T/m. The sum over collisions is a compound Poisson sum,
+    whose variance is their number times the mean square, 2 ((1 - e^2) T)^2. A colder gas cools more
+    slowly, which reduces the scatter; this effect is neglected.
     """
     relative_loss = 2 * (1 - restitution**2) / (3 * (n - 1))
     return np.asarray(relative_loss * np.sqrt(2 * n_collisions))
@@ -60,8 +61,8 @@ def velocity_kurtosis(velocity: Array) -> float:
 
 
 def kurtosis_error(n: int) -> float:
-    """Bound on |excess kurtosis| of M = 3 (n - 1) Gaussian numbers: standard error sqrt(24/M) plus
-    its mean's size 6/M.
+    """Size of |excess kurtosis| to expect of M = 3 (n - 1) Gaussian numbers: its standard error
+    sqrt(24/M) plus the size 6/M of its mean.
     """
     count = 3 * (n - 1)
     return float(np.sqrt(24 / count) + 6 / count)

@@ -1,6 +1,7 @@
 """Motion between samples: Hermite's interpolation through positions and velocities of neighbours.
 
-A polynomial of degree 2 m - 1 meets the positions and the velocities of m samples (Hermite 1878).
+A polynomial of degree 2 m - 1 interpolates the positions and velocities of m samples (Hermite
+1878).
 """
 
 import numpy as np
@@ -16,7 +17,7 @@ def between_samples(
     """Times (T - 1, G), positions and velocities (T - 1, G, ...) inside the T - 1 intervals.
 
     t (T,) [s] is strictly monotonic, position and velocity (T, ...) are those of its samples, nodes
-    (G,) are places in each interval from -1 (its start) to 1 (its end). Every interval has the
+    (G,) are points in each interval, from -1 (its start) to 1 (its end). Every interval uses the
     polynomial of the `window` samples nearest to it. The error of a position is
     x^(2m) prod (t - t_j)^2 / (2m)!, m = window: of order H^(2m) in the distance H of the samples.
     Raises ValueError if there are fewer samples than the window needs.
@@ -49,6 +50,7 @@ def between_samples(
     times = begin + (t[1:, None] - begin) * (1 + nodes) / 2
     u_nodes = (times - centre[:, None]) / half_width[:, None]
     found_position = chebyshev.chebvander(u_nodes, degree) @ coefficients
+    # x = sum c_k T_k(u), v = sum c_k T_k'(u)/half_width.
     slope = chebyshev.chebvander(u_nodes, degree - 1) @ derivative @ coefficients
     found_velocity = slope / half_width[:, None, None]
     shape = (*times.shape, *position.shape[1:])

@@ -1,5 +1,7 @@
-"""Kinetic energy and angular momentum of points as Koenig's theorem splits them, in the part of the
-centre of mass and the part about it, and the energy of a turn by the tensor of inertia.
+"""Kinetic energy and angular momentum of points, split by Koenig's theorem into those of the centre
+of mass and those about it, and the rotational energy by the inertia tensor.
+
+    T = M V^2/2 + sum m |v - V|^2/2,   L = M R x V + sum m (r - R) x (v - V).
 
 Masses are (N,) [kg], positions (N, 3) [m] and velocities (N, 3) [m/s].
 """
@@ -55,8 +57,8 @@ def angular_momentum_about_centre(mass: Array, position: Array, velocity: Array)
 
 
 def swept_energy(mass: Array, position: Array, omega: Array) -> float:
-    """The kinetic energy sum m |omega x r|^2/2 [J] of points that turn about the origin with omega
-    (3,) [rad/s].
+    """The kinetic energy sum m |omega x r|^2/2 [J] of points that rotate about the origin with
+    omega (3,) [rad/s].
     """
     return energy(mass, np.cross(omega, position))
 

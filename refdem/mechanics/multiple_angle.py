@@ -1,6 +1,6 @@
 """The cosine of a multiple of an angle from the sine and cosine of the angle, and the product of
-two cosines: how a nonlinear oscillator makes higher harmonics, and mixes frequencies (chapter 1,
-sections 1.5.3 and 1.5.5).
+two cosines. They describe the higher harmonics of a nonlinear oscillator and its mixing of
+frequencies (chapter 1, sections 1.5.3 and 1.5.5).
 """
 
 import math
@@ -33,12 +33,12 @@ def cosine_by_powers(angle: float, multiple: int) -> float:
 
 
 def cosine_product(a: float, b: float) -> float:
-    """The product cos(a) cos(b) for angles [rad]: two drives in the square of their sum."""
+    """The product cos(a) cos(b) for angles [rad], which the square of the sum of two drives has."""
     return math.cos(a) * math.cos(b)
 
 
 def cosines_mixed(a: float, b: float) -> float:
-    """The same product as (cos(a - b) + cos(a + b))/2: lines at the difference and the sum of two
-    frequencies.
+    """The product cos(a) cos(b) as (cos(a - b) + cos(a + b))/2: spectral lines at the difference
+    and the sum of two frequencies.
     """
     return (math.cos(a - b) + math.cos(a + b)) / 2

@@ -1,5 +1,5 @@
-"""Pairs of points that are near each other, by a cell list: cost proportional to the number of
-points (Hockney and Eastwood 1981).
+"""Pairs of points that are near each other, by a cell list (Hockney and Eastwood 1981) at a cost
+proportional to the number of points.
 
 Space is divided into cells at least as wide as the reach, so that neighbours of a point are in its
 own cell or in one of the 26 around it. Points are sorted by cell, with x running fastest: three
@@ -24,7 +24,7 @@ CHUNK = 20_000
 ROWS = [(y, z) for z, y in product((-1, 0, 1), repeat=2)]
 """Rows of cells around a point's cell, as offsets in (y, z)."""
 UPPER = [(y, z) for y, z in ROWS if (z, y) >= (0, 0)]
-"""One of every two opposite rows, and the own row: enough to meet each pair once."""
+"""One of every two opposite rows, and the row of the cell itself: every pair is found once."""
 
 
 def near_pairs(
@@ -68,7 +68,7 @@ def _candidates(position: Array, reach: float, size: float, among: Whole | None)
     # At most about two cells per point in all, so that empty cells cost little.
     most_cells = max(1, int(np.ceil((2 * count) ** (1 / 3))))
     cells = np.clip((extent / reach).astype(int), 1, most_cells)
-    # With fewer than 3 cells in a period a pair would be met on both sides.
+    # With fewer than 3 cells in a period a pair would be found on both sides.
     if count <= FEW or (size and cells.min() < 3):
         yield _all_pairs(count, among)
         return
@@ -151,8 +151,8 @@ class Grid:
         yield _pairs_with_range(points, low, self.starts[last_cell + 1])
         if not self.periodic:
             return
-        # At the edge of a periodic row one of the three cells is at its other end. Of two opposite
-        # cells in the own row one is enough.
+        # At an end of a periodic row one of the three cells is at the other end. In the row of the
+        # cell itself only one of the two ends is used, so that every pair is found once.
         for edge, cell in ((last, 0), (0, last)):
             if own and edge == 0:
                 continue
@@ -167,7 +167,7 @@ def _pairs_with_range(points: Whole, low: Whole, high: Whole) -> Pairs:
     """Every point with all points of ranks `low` up to `high`, except itself."""
     counts = high - low
     first = np.repeat(points, counts)
-    # Of each point the numbers low, low + 1, ..., high - 1.
+    # For each point the ranks low, low + 1, ..., high - 1.
     first_pair = np.cumsum(counts) - counts
     second = np.arange(len(first)) + np.repeat(low - first_pair, counts)
     is_other = first != second

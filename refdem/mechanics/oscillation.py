@@ -20,15 +20,16 @@ def turning_points(t: Array, x: Array, v: Array) -> tuple[Array, Array]:
     mean_velocity = (x[first + 1] - x[first]) / h
     v_before = v[first]
     v_after = v[first + 1]
-    # x'(s) = v_before + linear s + quadratic s^2 on 0 <= s <= 1, where h is the interval: it is
-    # v_after at s = 1, and its mean is (x_after - x_before)/h.
+    # x'(s) = v0 + b s + a s^2 on 0 <= s <= 1 has x'(1) = v1 and the mean u = (x1 - x0)/h:
+    # a = 3 (v0 + v1 - 2 u), b = 2 (3 u - 2 v0 - v1).
     quadratic = 3 * (v_before + v_after - 2 * mean_velocity)
     linear = 2 * (3 * mean_velocity - 2 * v_before - v_after)
-    # Its root in the interval is -2 v_before/(linear -+ root), a form that does not cancel.
+    # Its root in the interval, s = -2 v0/(b -+ sqrt(b^2 - 4 a v0)) with the sign - for v0 > 0, does
+    # not cancel.
     root = np.sqrt(np.maximum(0.0, linear**2 - 4 * quadratic * v_before))
     sign = np.where(v_before > 0, -1.0, 1.0)
     s = -2 * v_before / (linear + sign * root)
-    # The integral of x' from 0 to s.
+    # x = x0 + h (v0 s + b s^2/2 + a s^3/3).
     position = x[first] + h * s * (v_before + s * (linear / 2 + s * quadratic / 3))
     return t[first] + h * s, position
 

@@ -1,5 +1,5 @@
-"""Period doubling of the logistic map x -> eta x (1 - x): cycles, and the parameters at which one
-loses its stability to another of twice as many iterates; and where the iterates are at eta = 4.
+"""Period doubling of the logistic map x -> eta x (1 - x): cycles, the parameters at which the
+period doubles, and the distribution of the iterates at eta = 4.
 
 With w = eta (1/2 - x) the map is w -> w^2 + c, where c = eta/2 - eta^2/4, or eta = 1 + sqrt(1 - 4
 c). A cycle of p iterates is superstable where w = 0 is one of them, and its period doubles where
@@ -37,7 +37,7 @@ def share_below(x: float) -> float:
 
 
 def doubling_point(doublings: int) -> float:
-    """The eta at which the period doubles once more after so many doublings (0, 1 or 2): 3, 1 +
+    """The eta at which the period doubles for the next time after `doublings` (0, 1 or 2): 3, 1 +
     sqrt 6, 3.54409.
     """
     period = 2**doublings
@@ -45,11 +45,14 @@ def doubling_point(doublings: int) -> float:
     c = SUPERSTABLE[doublings]
     for multiplier in np.linspace(0.0, -1.0, FOLLOWED):
         w, c = _cycle(w, c, period, float(multiplier))
+    # c = eta/2 - eta^2/4.
     return float(1 + np.sqrt(1 - 4 * c))
 
 
 def _cycle(w: float, c: float, period: int, multiplier: float) -> tuple[float, float]:
-    """The iterate w and the parameter c next to these at which the cycle has that multiplier."""
+    """The iterate w and the parameter c near the given ones at which the cycle has the multiplier,
+    by Newton's method.
+    """
     for _ in range(8):
         residual, derivatives = _residual(w, c, period, multiplier)
         step_w, step_c = np.linalg.solve(derivatives, residual)
@@ -59,8 +62,8 @@ def _cycle(w: float, c: float, period: int, multiplier: float) -> tuple[float, f
 
 
 def _residual(w: float, c: float, period: int, multiplier: float) -> tuple[Array, Array]:
-    """What f^p(w) - w and (f^p)'(w) - multiplier are off from 0 (2,), and their derivatives (2, 2)
-    by w and c.
+    """The residuals f^p(w) - w and (f^p)'(w) - multiplier (2,), and their derivatives (2, 2) by w
+    and c.
     """
     image = w
     by_w = 1.0
@@ -68,7 +71,8 @@ def _residual(w: float, c: float, period: int, multiplier: float) -> tuple[Array
     by_ww = 0.0
     by_wc = 0.0
     for _ in range(period):
-        # The derivatives of image^2 + c, from those of the image.
+        # For y <- y^2 + c: y_ww <- 2 (y_w^2 + y y_ww), y_wc <- 2 (y_w y_c + y y_wc), y_w <- 2 y
+        # y_w, y_c <- 2 y y_c + 1.
         by_ww = 2 * (by_w * by_w + image * by_ww)
         by_wc = 2 * (by_w * by_c + image * by_wc)
         by_w = 2 * image * by_w

@@ -1,5 +1,5 @@
-"""Poincare sections of trajectories, and Lyapunov exponents with standard errors that tell periodic
-from chaotic motion.
+"""Poincare sections of trajectories, and Lyapunov exponents with standard errors that distinguish
+periodic from chaotic motion.
 """
 
 from typing import NamedTuple
@@ -55,9 +55,10 @@ def section(t: Array, x: Array, v: Array, level: float = 0.0) -> tuple[Array, Ar
     h = t[index + 1] - t[index]
     v_before = v[index]
     v_after = v[index + 1]
-    # The part s of the interval after which the velocity passes.
+    # v_before + s (v_after - v_before) = level.
     s = (level - v_before) / (v_after - v_before)
-    # Hermite's cubic: the values at the ends, then the slopes.
+    # Hermite's cubic: x = x0 (1 + 2 s)(1 - s)^2 + x1 s^2 (3 - 2 s) + h s (1 - s)((1 - s) v0 - s
+    # v1).
     from_begin = x[index] * (1 + 2 * s) * (1 - s) ** 2
     from_end = x[index + 1] * s**2 * (3 - 2 * s)
     from_slopes = h * s * (1 - s) * ((1 - s) * v_before - s * v_after)

@@ -75,9 +75,7 @@ def matrix(q: Array) -> Array:
 
 
 def _cross(u: Array, v: Array) -> Array:
-    """u x v (..., 3), to the bit as np.cross, which spends most of its time moving axes for one
-    vector or a few.
-    """
+    """u x v (..., 3), with the same bits as np.cross, but faster for small arrays."""
     u_x = u[..., 0]
     u_y = u[..., 1]
     u_z = u[..., 2]

@@ -1,5 +1,5 @@
-"""Response of driven oscillators in formulas: linear (1.105), (1.106), harmonic balance (1.115),
-(1.121), and hysteresis of sweeps.
+"""Response of driven oscillators in formulas: linear resonance (1.105), (1.106), harmonic balance
+(1.115), (1.121), and hysteresis of sweeps.
 
 The oscillator is x'' + 2 delta x' + alpha x + beta x^3 = f0 cos(w t); the linear one has alpha =
 w0^2, beta = 0. Harmonic balance keeps only the terms at w of x = A cos(w t + phase).
@@ -14,14 +14,14 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 
 HALVINGS = 120
-"""Halvings of an interval until doubles have no number inside, if its ends are at most 2^60 times
-apart.
+"""Bisections after which an interval has no double inside, if the ratio of its ends is at most
+2^60.
 """
 
 
 class Folds(NamedTuple):
-    """Drive [rad/s] and amplitude [m] at which harmonic balance folds: where the drive is lowest
-    that has the larger amplitudes, and where it is highest.
+    """Drive [rad/s] and amplitude [m] at the two folds of the response curve: `lower` at the lowest
+    and `upper` at the highest drive that has three amplitudes.
     """
 
     lower: tuple[float, float]
@@ -61,7 +61,7 @@ def balanced_drives(
 
     W^2 = k - 2 delta^2 -+ sqrt(f0^2/A^2 - 4 delta^2 (k - delta^2)), with k = alpha + 3 beta A^2/4.
     """
-    # k is the mean stiffness that the amplitude A sees.
+    # k = alpha + 3 beta A^2/4 is the effective stiffness at the amplitude A.
     k = alpha + 0.75 * beta * amplitude**2
     discriminant = (f0 / amplitude) ** 2 - 4 * delta**2 * (k - delta**2)
     with np.errstate(invalid="ignore"):
@@ -135,7 +135,7 @@ def balanced_force(
 
 
 class _Balance(NamedTuple):
-    """The balance (1.120) where one amplitude turns into three: S = A^2 solves `excess` = 0 there.
+    """The balance (1.120) at a fold, where two of its solutions merge: S = A^2 solves `excess` = 0.
 
     With h = 3 beta/4 and u = alpha + h S - w^2 the balance is S (u^2 + 4 delta^2 w^2) = f0^2. At a
     fold its derivative by S vanishes too, which gives u = -f0^2/(2 h S^2) and
@@ -156,14 +156,14 @@ class _Balance(NamedTuple):
         return float(np.cbrt(self.square / (4 * self.h * self.h)))
 
     def excess(self, s: float) -> float:
-        """The left side less the right one."""
+        """The left side of the equation of the folds minus its right side."""
         h = self.h
         stiff = 4 * self.damping * h * h * (h * s + self.alpha) * s
         driven = 2 * self.damping * h * self.square / s + self.square * self.square / s**3
         return stiff + driven - 4 * h * h * self.square
 
     def slope(self, s: float) -> float:
-        """The derivative of the left side by S."""
+        """The derivative of `excess` by S."""
         h = self.h
         stiff = 4 * self.damping * h * h * (2 * h * s + self.alpha)
         driven = 2 * self.damping * h * self.square / s**2 + 3 * self.square * self.square / s**4
@@ -179,13 +179,13 @@ class _Balance(NamedTuple):
 
 
 def folds(alpha: float, beta: float, delta: float, f0: float) -> Folds | None:
-    """Both folds of harmonic balance (1.120), or None if one drive has one amplitude everywhere;
-    for a spring with damping, alpha, delta > 0, beta != 0 and f0 != 0.
+    """Both folds of harmonic balance (1.120), or None if every drive has only one amplitude; for
+    alpha, delta > 0, beta != 0 and f0 != 0.
 
-    A spring that hardens, beta > 0, leans the resonance to higher drives, and one that softens to
-    lower ones: the upper fold has the larger amplitude with the first, the lower with the second.
-    None, too, for a spring that softens if the resonance does not close below the barrier, or leans
-    down to drives that are not real.
+    The resonance of a hardening spring, beta > 0, bends to higher drives, and that of a softening
+    spring to lower ones. The fold of larger amplitude is the upper one for beta > 0 and the lower
+    one for beta < 0. The result is also None for a softening spring if the branches of the
+    resonance do not meet below the potential barrier, or if w^2 < 0 at the lower fold.
     """
     balance = _Balance(alpha, 0.75 * beta, 4 * delta * delta, f0 * f0)
     if beta > 0:
@@ -197,7 +197,7 @@ def _hardening_folds(balance: _Balance) -> Folds | None:
     """The folds for h > 0: each term of the left side is convex for S > 0, so that there are two
     solutions or none.
     """
-    # Without damping there is one fold; with it they lie beyond.
+    # At the undamped fold excess >= 0. Both solutions lie at larger S, around the least excess.
     undamped = balance.undamped
     if balance.slope(undamped) >= 0:
         return None
@@ -262,9 +262,7 @@ def _least_excess(balance: _Balance) -> float:
 
 
 def _change_of_sign(value: Callable[[float], float], below: float, above: float) -> float:
-    """The place between two others where a function that is negative at the one and positive at
-    the other changes its sign.
-    """
+    """The zero of a function that is negative at `below` and positive at `above`, by bisection."""
     for _ in range(HALVINGS):
         middle = (below + above) / 2
         if value(middle) < 0:
@@ -297,13 +295,14 @@ def linear_line(force: float, frequency: float, square: float, delta: float) -> 
 def mixed_line(
     a: complex, b: complex, frequency: float, square: float, delta: float, eps: float
 ) -> complex:
-    """Complex amplitude -eps a b/D(w) of the line that a spring's square, -eps x^2, makes of two
-    lines a, b, at the sum of their frequencies w = `frequency` [rad/s]; half of it if a line is
-    mixed with itself.
+    """Complex amplitude -eps a b/D(w) of the line that the quadratic force -eps x^2 generates from
+    two lines a, b, at the sum w = `frequency` [rad/s] of their frequencies. It is half of this if a
+    line is mixed with itself.
 
-    2 Re(a exp(i u t)) Re(b exp(i v t)) = Re(a b exp(i (u + v) t)) + Re(a b* exp(i (u - v) t)): for
-    the line at the difference b is conjugated, and each drive adds half of that at its own
-    difference, 0, to the shift (1.123). To first order in eps. The lines are odd in eps, for x ->
-    -x is a symmetry with -eps and -f: what is left out is smaller by eps^2.
+    2 Re(a exp(i u t)) Re(b exp(i v t)) = Re(a b exp(i (u + v) t)) + Re(a b* exp(i (u - v) t)). For
+    the line at the difference of the frequencies b is replaced by its conjugate, and each drive
+    contributes half of the amplitude at its own difference, 0, to the shift (1.123). The formula is
+    of first order in eps. These lines are odd in eps, because x -> -x, eps -> -eps, f -> -f is a
+    symmetry; the relative error is therefore of order eps^2.
     """
     return -linear_line(eps, frequency, square, delta) * a * b

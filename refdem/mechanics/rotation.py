@@ -104,7 +104,8 @@ def euler_rates(phi: float, theta: float, omega: Array) -> Array:
     where sin theta = 0.
     """
     x, y, z = omega
-    # omega along the line of nodes, and at right angles to it in the plane x-y.
+    # omega along the line of nodes (cos phi, sin phi, 0), and along (sin phi, -cos phi, 0):
+    # phi' = z - across/tan(theta), theta' = along, psi' = across/sin(theta).
     along = x * np.cos(phi) + y * np.sin(phi)
     across = x * np.sin(phi) - y * np.cos(phi)
     phi_rate = z - across / np.tan(theta)
@@ -114,7 +115,7 @@ def euler_rates(phi: float, theta: float, omega: Array) -> Array:
 
 def euler_rate_matrix(phi: float, theta: float) -> Array:
     """The matrix (3, 3) that takes the rates of Euler angles to omega in space axes: its columns
-    are the axes of the three turns, z, the line of nodes, and the body's third axis.
+    are the axes of the three rotations: z, the line of nodes, and the body's third axis.
     """
     nodes = [np.cos(phi), np.sin(phi), 0.0]
     third = [np.sin(phi) * np.sin(theta), -np.cos(phi) * np.sin(theta), np.cos(theta)]
@@ -143,14 +144,14 @@ def cross_matrix(v: Array) -> Array:
 
 
 def first_order_turn(turn: Array, v: Array) -> Array:
-    """(1 + [v]) M (3, 3): a step by Euler's method of M' = [omega] M in its nine entries, for the
-    rotation vector v = h omega (3,) [rad].
+    """(1 + [v]) M (3, 3): a step of Euler's method for M' = [omega] M, with the rotation vector v =
+    h omega (3,) [rad].
     """
     return turn + cross_matrix(v) @ turn
 
 
 def orthogonality(turn: Array) -> Array:
-    """M^T M - 1 (3, 3): what a matrix M misses to an orthogonal one."""
+    """M^T M - 1 (3, 3), which is zero for an orthogonal matrix M."""
     return turn.T @ turn - np.eye(3)
 
 

@@ -2,9 +2,9 @@
 
     x(t_j)  =  sum over lines of Re(c_k exp(i w_k t_j))  +  free motion  +  residual
 
-The free motion of a damped oscillator, x'' + 2 delta x' + w0^2 x = 0, is fitted along with the
-lines, so that a line is that of the forced motion. Two motions that are fitted at the same times
-differ by the same map of their difference: c_k(x) - c_k(y) = c_k(x - y), whatever the residual is.
+The free motion of a damped oscillator, x'' + 2 delta x' + w0^2 x = 0, is fitted together with the
+lines, so that the lines are those of the forced motion. The map from samples to c_k is linear: for
+two motions at the same times c_k(x) - c_k(y) = c_k(x - y), for any residual.
 """
 
 from collections.abc import Sequence
@@ -20,14 +20,14 @@ Complex = NDArray[np.complex128]
 SAME = 1e-9
 """Relative distance below which two frequencies are one line."""
 REPRODUCED = 1e-6
-"""Largest error with which a map gives back lines that are told apart."""
+"""Largest error with which a map reproduces the amplitudes of lines that it can distinguish."""
 FARTHEST = 0.1
-"""Part of its frequency by which a drive pulls a cycle at most, as far as it is sought."""
+"""Largest relative shift of the frequency of a cycle by a drive that is searched."""
 GOLDEN = (5**0.5 - 1) / 2
-"""Part to which one golden section cuts an interval: of two points inside, one serves again."""
+"""Ratio of the lengths of an interval after and before a golden section."""
 GOLDEN_SECTIONS = 30
-"""Halvings, nearly, of the place of a frequency: 30 make it a millionth of where they begin, below
-which the least of a square is lost in rounding.
+"""Golden sections of the interval of a frequency, which reduce it to a millionth. A minimum cannot
+be located more closely, because the square of a smaller distance is lost in rounding.
 """
 
 
@@ -42,11 +42,11 @@ def mixed_lines(
     drives: Sequence[float], order: int, *, odd: bool = False, names: Sequence[str] = ()
 ) -> tuple[Line, ...]:
     """The lines of a polynomial of the given order in cosines of the `drives` [rad/s]: the shift,
-    and sums and differences of at most `order` drives, which are w1, w2 ... or have `names`.
+    and sums and differences of at most `order` drives. Drives are called w1, w2 ... or by `names`.
 
     (A cos w1 t + B cos w2 t)^2 has lines at 0, 2 w1, 2 w2, w1 + w2 and |w1 - w2| (1.123). A
-    polynomial of `odd` powers has those of an odd number of drives. The shift is always among them,
-    as a line that may be 0; of two lines at one frequency the simpler is kept.
+    polynomial of `odd` powers has only those of an odd number of drives. The shift is always
+    included, though it may be 0. Of two lines at the same frequency the simpler one is kept.
     """
     counts = [
         given
@@ -67,13 +67,13 @@ def mixed_lines(
 
 
 def _name(given: Sequence[int], names: Sequence[str] = ()) -> str:
-    """The name of a sum of drives, each so many times: `w1+w2`, `2w2-w1`, or `2w` of one drive."""
+    """The name of the sum of n_i w_i with the factors `given`: `w1+w2`, `2w2-w1`, or `2w`."""
     if not names:
         names = ["w"]
         if len(given) > 1:
             names = [f"w{number}" for number in range(1, len(given) + 1)]
     terms = [(n, name) for n, name in zip(given, names, strict=True) if n]
-    # What is added stands before what is taken off.
+    # Positive terms come before negative ones.
     terms.sort(key=lambda term: term[0] < 0)
     text = ""
     for n, name in terms:
@@ -103,9 +103,9 @@ def free_motions(t: Array, square: float, delta: float) -> Array:
 
 def line_map(t: Array, lines: Sequence[Line], others: Array) -> Complex | None:
     """The rows (K, T) that give the complex amplitudes c = a - i b of the `lines` of a signal (T,)
-    at t (T,) [s], with a cos(w t) + b sin(w t); `others` (M, T) are fitted along.
+    at t (T,) [s], with a cos(w t) + b sin(w t); `others` (M, T) are fitted together with them.
 
-    None where the samples do not tell the lines apart from each other and from the others.
+    None if the samples do not determine all amplitudes.
     """
     columns = []
     for _, w in lines:
@@ -117,7 +117,7 @@ def line_map(t: Array, lines: Sequence[Line], others: Array) -> Complex | None:
     if len(t) < len(fitted):
         return None
     rows = np.linalg.pinv(fitted.T)[:count]
-    # A signal that is one of the columns must come out as that column and no other.
+    # rows @ fitted^T must be the identity: a signal equal to one column has its amplitude only.
     given_back = rows @ fitted.T
     if np.max(np.abs(given_back - np.eye(count, len(fitted)))) > REPRODUCED:
         return None
@@ -141,15 +141,16 @@ def cycle_lines(cycle: float, drive: float, order: int) -> tuple[Line, ...]:
 
 
 def cycle_frequency(t: Array, x: Array, near: float, drive: float, order: int) -> float:
-    """The frequency w [rad/s] next to `near` at which lines of a cycle at w and of a drive leave
-    least of the signal x (T,) at t (T,) [s].
+    """The frequency w [rad/s] near `near` of a cycle for which its lines with a drive fit the
+    signal x (T,) at t (T,) [s] best, in the sense of least squares.
 
-    A drive pulls the cycle, so that no formula has w. It is sought no farther than half way to the
-    drive, first in steps that change the phase by at most 1 rad, then by golden sections.
+    A drive shifts the frequency of the cycle, for which there is no formula. It is searched up to
+    half way to the drive, first on a grid whose steps change the phase by at most 1 rad, then by
+    golden sections.
     """
 
     def left(w: float) -> float:
-        """The mean square of what no line at w explains."""
+        """The mean square residual of the fit with lines at w."""
         columns = []
         for _, frequency in cycle_lines(w, drive, order):
             columns += [np.cos(frequency * t), np.sin(frequency * t)]

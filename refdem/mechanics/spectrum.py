@@ -17,8 +17,8 @@ def hann(count: int) -> Array:
 
 
 def line(t: Array, x: Array, frequency: float) -> complex:
-    """Complex amplitude c of the spectral line Re(c exp(i w t)) at w = `frequency` [rad/s]; for w =
-    0 the mean.
+    """Complex amplitude c of the spectral line Re(c exp(i w t)) at w = `frequency` [rad/s], or the
+    mean for w = 0.
 
     It is 2 <window x exp(-i w t)> over evenly spaced samples x (T,) at t (T,) [s].
     """
@@ -41,16 +41,16 @@ def spectrum(t: Array, x: Array) -> tuple[Array, Array]:
 
 
 def frequency_of(t: Array, x: Array, near: float) -> float:
-    """The frequency [rad/s] of the line next to `near`, less than 2 pi/T away, from its phase in
-    the two halves of the record.
+    """The frequency [rad/s] of the line near `near`, less than 2 pi/T away, from its phases in the
+    two halves of the record.
     """
     half = len(t) // 2
     w = near
     for _ in range(20):
         first = line(t[:half], x[:half], w)
         second = line(t[half : 2 * half], x[half : 2 * half], w)
-        # At the exact frequency the phase is the same in both halves; an error dw changes it by dw
-        # times the time between them.
+        # At the exact frequency the phases in both halves are equal. An error dw makes them differ
+        # by dw times the time between them: w <- w + (phase_2 - phase_1)/(t_2 - t_1).
         phase_gain = float(np.angle(second / first))
         correction = phase_gain / float(t[half] - t[0])
         w += correction
@@ -60,11 +60,11 @@ def frequency_of(t: Array, x: Array, near: float) -> float:
 
 
 def frequency_with_error(t: Array, x: Array, near: float) -> tuple[float, float]:
-    """The frequency [rad/s] of the line next to `near`, and how far it changes at most without the
-    first or the last quarter of the record.
+    """The frequency [rad/s] of the line near `near`, and as its error the largest change if the
+    first or the last quarter of the record is left out.
 
-    What other lines leak falls with the third power of the length, so that a record of three
-    quarters has more of it than the whole.
+    Leakage from other lines decreases with the third power of the length, so that it is larger in
+    three quarters of a record than in the whole.
     """
     quarter = len(t) // 4
     whole = frequency_of(t, x, near)

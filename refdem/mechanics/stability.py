@@ -1,7 +1,7 @@
 """Stability of a motion (1.131)-(1.133), from the separation of two neighbouring trajectories.
 
-Unstable in Lyapunov's sense is a separation that grows as C exp(lambda t), lambda > 0 (1.133);
-stable one that stays below a power of time (1.132).
+A motion is unstable in Lyapunov's sense if the separation grows as C exp(lambda t), lambda > 0
+(1.133), and stable if it stays below a power of time (1.132).
 """
 
 from dataclasses import dataclass
@@ -42,9 +42,9 @@ def growth(t: Array, separation: Array) -> Growth:
     """Growth of the separation (T,) of two neighbours with time t (T,), relative to `separation[0]`
     > 0.
 
-    The largest separation so far is used: (1.131) and (1.132) bound it, and an oscillating
-    separation has no limit otherwise. The power is log(d(T)/d(T/2))/log 2, as if d ~ t^p in the
-    second half.
+    The running maximum d(t) of the separation is used, because (1.131) and (1.132) bound it, while
+    the logarithm of an oscillating separation has no limit. The exponent is the mean of d(ln d)/dt
+    over the blocks. The power is p = log(d(T)/d(T/2))/log 2, from d ~ t^p in the second half.
     """
     since = t - t[0]
     # ln of the largest separation so far.

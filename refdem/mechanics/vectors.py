@@ -38,9 +38,7 @@ def dot(a: Vector, b: Vector) -> Number:
 
 
 def rejection(a: Vector, b: Vector) -> Vector:
-    """The part a - (a . b) b/b^2 of a vector a across another b, which is not zero: the height of
-    the corner a of a triangle over its base b.
-    """
+    """The component a - (a . b) b/|b|^2 of a vector a perpendicular to a vector b != 0."""
     length = hypot(*b)
     direction = times(1 / length, b)
     return moved(a, -dot(a, direction), direction)
@@ -89,7 +87,7 @@ def product(p: Quaternion, q: Quaternion) -> Quaternion:
 
 
 def moved_turn(q: Quaternion, factor: Number, rate: Quaternion) -> Quaternion:
-    """q + factor rate, of any length."""
+    """q + factor rate, which is not normalised."""
     w = q[0] + factor * rate[0]
     x = q[1] + factor * rate[1]
     y = q[2] + factor * rate[2]
@@ -99,13 +97,16 @@ def moved_turn(q: Quaternion, factor: Number, rate: Quaternion) -> Quaternion:
 
 def rotated(q: Quaternion, v: Vector) -> Vector:
     """The vector v rotated by the quaternion q: q v q*."""
+    # q v q* = v + w s + u x s with s = 2 u x v, for q = (w, u).
     axis = (q[1], q[2], q[3])
     twist = times(2.0, cross(axis, v))
     return plus(moved(v, q[0], twist), cross(axis, twist))
 
 
 def turn_by(angles: Vector) -> Quaternion:
-    """The rotation by |angles| [rad] about angles."""
+    """The rotation by |angles| [rad] about the vector `angles`: (cos(a/2), sin(a/2) angles/a), a =
+    |angles|.
+    """
     angle = size(angles)
     if not angle > 0:
         return 1.0, 0.0, 0.0, 0.0

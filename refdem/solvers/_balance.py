@@ -26,8 +26,11 @@ SLACK = 8 * 2.0**-52
 
 
 def _spring_force(scene: Scene, spring: Spring) -> Array | None:
-    """The force (3,) [N] of a spring on its first end; None where it has a length and no
-    direction.
+    """The force (3,) [N] of a spring on its first end, None if it is undetermined: a spring with a
+    natural length whose ends coincide has no direction.
+
+    F = f(|d| - l) d/|d|, where d is the vector from the first end to the second, l the natural
+    length and f the pull.
     """
     line = _end(scene, spring) - scene.bodies.position[spring.a]
     distance = float(np.linalg.norm(line))
@@ -48,7 +51,7 @@ def unbalanced(scene: Scene) -> str | None:
     total_magnitude = np.zeros(len(bodies))
 
     def push(body: int, force: Array) -> None:
-        """Adds a force [N] to a body; the world, -1, takes any force."""
+        """Adds a force [N] to the net force on a body; the world, index -1, is skipped."""
         if body >= 0:
             net[body] += force
             total_magnitude[body] += np.linalg.norm(force)
@@ -96,9 +99,10 @@ def _overlap(scene: Scene, i: int, j: int) -> tuple[float, Array]:
     if j < 0:
         plane = scene.all(Plane)[-1 - j]
         normal = -np.array(plane.normal)
+        # d = R - h, where h is the height of the centre above the plane; `depth` is -h.
         depth = (bodies.position[i] - np.array(plane.point)) @ normal
         return float(bodies.radius[i] + depth), normal
-    # Two spheres: R_i + R_j - |r_j - r_i|.
+    # Two spheres: d = R_i + R_j - |r_j - r_i|.
     line = bodies.position[j] - bodies.position[i]
     distance = float(np.linalg.norm(line))
     return float(bodies.radius[i] + bodies.radius[j] - distance), line / distance
@@ -157,8 +161,9 @@ def pressed(scene: Scene) -> Load | str:
 def tipping(scene: Scene, law: Contact, load: Load) -> str | None:
     """None if the one body slides down the plane without tipping over, else the reason.
 
-    While it slides, the plane's force is N (normal) plus mu N uphill. The body does not turn if the
-    line of that force through the centre of mass meets the face on which it slides.
+    The plane exerts the normal force N and the friction mu N uphill on a sliding body. The body
+    does not rotate if the line through the centre of mass along that force meets the face on which
+    the body slides.
     """
     if not load.steepness > law.friction * (1 + SLACK):
         return "static friction holds it"
@@ -169,14 +174,16 @@ def tipping(scene: Scene, law: Contact, load: Load) -> str | None:
 
 
 def overturning(scene: Scene, load: Load, line: Array) -> str | None:
-    """None if the one body slides both ways along a line (3,) of the plane without tipping over,
-    pushed at its centre along it, else the reason.
+    """None if the one body slides in both directions of a line (3,) of the plane without tipping
+    over, driven by a force at its centre along that line, else the reason.
 
-    The plane's force is N (normal) and at most mu N against the motion, and has no torque about
-    the centre if its line through it meets the face on which the body slides.
+    The plane exerts the normal force N and a friction of at most mu N against the motion. This
+    force can have zero torque about the centre if the line through the centre along it meets the
+    face on which the body slides.
     """
     friction = scene.all(Contact)[0].friction
     for heading in (line, -line):
+        # The reverse of the plane's force n - mu heading, in units of N.
         down = friction * heading - load.normal
         reason = _Standing(scene, load.normal, load.point, down).instability()
         if reason is not None:
@@ -185,8 +192,7 @@ def overturning(scene: Scene, load: Load, line: Array) -> str | None:
 
 
 class _Standing:
-    """Bodies on a plane, each with its lowest and highest face, and the question which stands on
-    which.
+    """Bodies in stacks on a plane: the lowest and highest face of each, and its supports.
 
     Heights are measured from the plane along its `normal`; `down` is the direction in which weight
     acts, scaled so that down . normal = -1.
@@ -237,11 +243,13 @@ class _Standing:
         """True if the point, projected along `down` onto the face's plane, lies in the face's
         convex hull.
         """
+        # The projection of the point p is p + h down, with h = (p - face) . n, as down . n = -1.
         height = (point - face[0]) @ self.normal
         corners = face - (point + height * self.down)
         reference = np.eye(3)[int(np.argmin(np.abs(self.normal)))]
         tangent = np.cross(self.normal, reference)
         tangent /= np.linalg.norm(tangent)
+        # Coordinates of the corners in the plane, relative to the projected point.
         x = corners @ tangent
         y = corners @ np.cross(self.normal, tangent)
         if np.any(np.hypot(x, y) <= SLACK * self.size):
@@ -263,6 +271,7 @@ class _Standing:
             carried = [other for other in support if body in _support_path(other, support)]
             mass = self.scene.bodies.mass[carried]
             position = self.scene.bodies.position[carried]
+            # Centre of mass sum m r/sum m of all bodies that this one carries, itself included.
             centre = mass @ position / mass.sum() - self._origin(body)
             faces = [self.faces(body, highest=False)]
             if support[body] >= 0:

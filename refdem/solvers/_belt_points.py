@@ -1,9 +1,9 @@
 """Points of two sections of a point on a driven belt (1.125), by the Taylor series of `stick-slip`:
 once a period of the drive, and where v = 0 with x > 0.
 
-A passage is looked for between samples at which v has opposite signs, and found by Newton's method
-from their chord: v' = gamma cos(eta t) - x there, because the friction of a point at rest balances
-the steady pull of the belt.
+A passage lies between two neighbouring samples at which v has opposite signs. The zero of the chord
+through both is the first guess of Newton's method. Where v = 0 the rate is v' = gamma cos(eta t) -
+x, because the friction on a point at rest balances the steady pull of the belt.
 """
 
 from typing import Literal
@@ -26,9 +26,9 @@ PER_PERIOD = 512
 of them are not seen.
 """
 MOST_PERIODS = 16
-"""Periods in which passages are looked for: of the drive, or of the spring if that is longer."""
+"""Length of the search for passages, in periods of the drive or, if longer, of the spring."""
 STEPS = 8
-"""Steps of Newton's method, of which each doubles the digits."""
+"""Steps of Newton's method, each of which doubles the number of correct digits."""
 
 
 def scene_of(friction: Array, power: Array, drive: Array, start: Array) -> Scene:
@@ -65,6 +65,7 @@ def states(scene: Scene, times: Array) -> tuple[Array, Array]:
 
 def strobe(friction: Array, power: Array, drive: Array, start: Array, n: Array) -> Array:
     """Place and velocity (2,) after n periods of the drive."""
+    # t = 2 pi n/eta.
     times = np.array([0.0, 2 * np.pi * n[0] / drive[2]])
     x, v = states(scene_of(friction, power, drive, start), times)
     return np.array([x[1], v[1]])
@@ -74,7 +75,7 @@ def passage(friction: Array, power: Array, drive: Array, start: Array, n: Array)
     """Time and place (2,) of the n-th passage of v = 0 with x > 0 after the start, in either
     direction.
 
-    None where there are fewer in MOST_PERIODS periods: a mass that the belt carries far comes late.
+    None if MOST_PERIODS periods contain fewer passages, as for a mass that the belt carries far.
     """
     scene = scene_of(friction, power, drive, start)
     eta = float(drive[2])
@@ -85,10 +86,11 @@ def passage(friction: Array, power: Array, drive: Array, start: Array, n: Array)
     _, v = states(scene, times)
     is_positive = v > 0
     if v[0] == 0:
-        # The start is no passage.
+        # The start does not count as a passage.
         is_positive[0] = is_positive[1]
     found = 0
     for index in np.flatnonzero(is_positive[1:] != is_positive[:-1]):
+        # The zero of the chord: t_k + (t_{k+1} - t_k) v_k/(v_k - v_{k+1}).
         share = v[index] / (v[index] - v[index + 1])
         time = times[index] + share * (times[index + 1] - times[index])
         time, place = passed(scene, drive, float(time))
@@ -105,5 +107,6 @@ def passed(scene: Scene, drive: Array, time: float) -> tuple[float, float]:
     for _ in range(STEPS):
         x, v = states(scene, np.array([0.0, time]))
         place = float(x[1])
+        # t <- t - v/v', with v' = gamma cos(eta t) - x.
         time -= float(v[1] / (gamma * np.cos(eta * time) - place))
     return time, place

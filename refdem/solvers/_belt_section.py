@@ -55,6 +55,7 @@ def section(scene: Scene, frequency: Array, *, skip: int, keep: int, workers: in
         results = list(pool.map(blockwise, np.array_split(frequency, 4 * workers)))
     growth = np.concatenate([block_sums for _, block_sums in results])
     places = tuple(chain.from_iterable(frequencies for frequencies, _ in results))
+    # The recorded time is `keep` periods of 2 pi/eta each.
     seconds = 2 * np.pi / frequency * keep
     return Section(frequency, places, exponent(growth, seconds))
 

@@ -54,10 +54,10 @@ WEIGHTS = {
         0.04931773575959453792,
     ),
 }
-"""Parts of a step, by order: the first half and the middle one, which the others mirror. Order 8:
-W. Kahan and R.-C. Li, Math. Comp. 66 (1997) 1089; order 10: M. Sofroniou and G. Spaletta, Optim.
-Methods Softw. 20 (2005) 597; both in Hairer, Lubich and Wanner, Geometric Numerical Integration,
-V.3.2."""
+"""Weights of a step, by order: the first half and the middle one; the second half mirrors the
+first. Order 8: W. Kahan and R.-C. Li, Math. Comp. 66 (1997) 1089; order 10: M. Sofroniou and G.
+Spaletta, Optim. Methods Softw. 20 (2005) 597; both in Hairer, Lubich and Wanner, Geometric
+Numerical Integration, V.3.2."""
 
 
 def claimed(name: str, order: int) -> Method:
@@ -108,7 +108,7 @@ class EnsembleSymplectic(Solver):
         velocity = np.empty(shape)
         position[0] = problem.position
         velocity[0] = problem.velocity
-        # The kernel advances angle and rate in place.
+        # The kernel advances angle and rate in place, by `stride` steps from row to row.
         state = [pointer(FAMILY, column, output=True) for column in (angle, rate)]
         for row in range(1, len(problem.times)):
             started = perf_counter()
@@ -142,13 +142,14 @@ class _Frame:
         self.length = rod.length
         self.square = magnitude / rod.length
         self.down = gravity / magnitude
-        # The direction across gravity in which the point is, or else goes.
+        # The components of arm and velocity across gravity. Both lie in the plane of the swing, so
+        # that either gives its direction; the longer one is taken.
         components = [
             vector - (vector @ self.down) * self.down for vector in (arm, scene.bodies.velocity[0])
         ]
         longest = max(components, key=lambda vector: float(np.linalg.norm(vector)))
         length = np.linalg.norm(longest)
-        # Zero where the point hangs at rest: it stays, whatever the direction.
+        # The zero vector if the point hangs at rest, where the direction has no effect.
         self.across = longest
         if length > 0:
             self.across = longest / length
@@ -156,8 +157,9 @@ class _Frame:
     def angles(self, position: Array, velocity: Array) -> tuple[Array, Array]:
         """Angles [rad] and angular velocities [rad/s] (M,) of positions and velocities (M, 3)."""
         arm = position - self.anchor
+        # arm = l (cos(theta) down + sin(theta) across).
         angle = np.arctan2(arm @ self.across, arm @ self.down)
-        # The velocity at right angles to the rod, over its length.
+        # theta' = v . (cos(theta) across - sin(theta) down)/l.
         sideways = velocity @ self.across
         downwards = velocity @ self.down
         rate = (np.cos(angle) * sideways - np.sin(angle) * downwards) / self.length
@@ -167,7 +169,8 @@ class _Frame:
         """Positions and velocities (M, 3) at angles [rad] and angular velocities [rad/s] (M,)."""
         s = np.sin(angle)[:, None]
         c = np.cos(angle)[:, None]
-        # Unit vectors along the rod and across it.
+        # r = anchor + l e and v = l theta' e', with the unit vectors e = cos(theta) down +
+        # sin(theta) across along the rod and e' = de/dtheta across it.
         along = c * self.down + s * self.across
         across = c * self.across - s * self.down
         position = self.anchor + self.length * along

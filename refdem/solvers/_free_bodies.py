@@ -1,5 +1,5 @@
-"""Common base of the methods for free bodies: centres move uniformly, attitudes come from a
-kernel.
+"""Common base of the methods for free bodies: centres move uniformly, and a kernel computes the
+attitudes.
 """
 
 from abc import abstractmethod
@@ -36,6 +36,7 @@ class FreeBodies(SceneSolver):
         begun = perf_counter()
         t = request.problem.times
         bodies = request.problem.scene.bodies
+        # r(t) = r0 + v0 (t - t0).
         position = bodies.position + bodies.velocity * (t - t[0])[:, None, None]
         # Bodies without spin keep all of their state; the others are overwritten.
         velocity, attitude, omega = (

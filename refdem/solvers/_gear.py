@@ -1,9 +1,15 @@
 """Gear's predictor-corrector (kernels/gear.h): its coefficients, and the methods of orders 4 to 6
 that share them.
 
-A state of p + 1 rows h^i x^(i)/i! gives order p for x'' = f(x, x'), in velocities and places. Where
-f does not depend on x', places are better by up to an order. Coefficients:
-Gear 1971; Allen and Tildesley, Computer Simulation of Liquids, appendix E.
+Nordsieck's state has the rows r_i = h^i x^(i)/i!, i = 0 to p. A step of x'' = f(x, x') predicts
+and then corrects them once:
+
+    r_i <- sum over j >= i of binomial(j, i) r_j,
+    r_i <- r_i + c_i d,   d = h^2/2 f - r_2,   f at the predicted rows.
+
+Positions and velocities have order p. Where f does not depend on x', the order of positions is
+higher by up to one. Coefficients c_i: Gear 1971; Allen and Tildesley, Computer Simulation of
+Liquids, appendix E.
 """
 
 from collections.abc import Mapping
@@ -28,7 +34,7 @@ Array = NDArray[np.float64]
 
 
 def _fractions(text: str) -> tuple[Fraction, ...]:
-    """The numbers of a line, exactly."""
+    """The numbers in a text, separated by spaces, as exact fractions."""
     return tuple(Fraction(number) for number in text.split())
 
 
@@ -37,21 +43,19 @@ CORRECTORS: Mapping[int, tuple[Fraction, ...]] = {
     5: _fractions("3/20 251/360 1 11/18 1/6 1/60"),
     6: _fractions("863/6048 95/144 1 25/36 35/144 1/24 1/360"),
 }
-"""By order, what the rows of Nordsieck's state gain from a step's correction, where forces do not
-depend on velocities.
-"""
+"""Coefficients c_0 to c_p by the order p, for forces that do not depend on velocities."""
 WITH_VELOCITIES: Mapping[int, Fraction] = {
     4: Fraction(19, 90),
     5: Fraction(3, 16),
     6: Fraction(863, 5040),
 }
-"""By order, the first of these coefficients where forces depend on velocities, as the second
-derivative of a quaternion does on the first.
+"""The coefficient c_0 by order, for forces that depend on velocities; the second derivative of a
+quaternion depends on its first derivative in this way.
 """
 
 
 def corrector(order: int, *, with_velocities: bool = False) -> Array:
-    """The coefficients (order + 1,) as doubles."""
+    """The coefficients c_0 to c_p (order + 1,) of the corrector as doubles."""
     first, *rest = CORRECTORS[order]
     if with_velocities:
         first = WITH_VELOCITIES[order]
@@ -95,7 +99,7 @@ class GearPoints(KernelSolver):
         )
 
     def finish(self, request: Request, call: KernelCall, status: int) -> Trajectory:
-        """Places and velocities at the samples; attitudes stay."""
+        """Positions and velocities at the samples; attitudes stay constant."""
         times = request.problem.times
         bodies = request.problem.scene.bodies
         _, states = call.outputs
@@ -111,13 +115,15 @@ class GearPoints(KernelSolver):
 
 
 class GearFreeBody(SteppedFreeBodies):
-    """Free bodies by the equation of second order of the quaternion, as Newton's is for places.
+    """Free bodies by an equation of second order for the quaternion.
 
     q'' = q' w/2 + q J^-1 (J w x w)/2,   w = 2 q^-1 q' in body axes.
 
-    Where q' w is taken with the scalar part of w, which vanishes but for errors, this says w' =
-    J^-1 (J w x w) for any |q|. The length of the quaternion is not restored: it drifts with the
-    error of the method, and attitudes are divided by it when they are handed out.
+    It is the derivative of q' = q w/2 with Euler's equations J w' = J w x w. The product q' w
+    includes the scalar part of w = 2 q^-1 q', which is zero up to errors of the method; with it
+    the equation implies w' = J^-1 (J w x w) for any |q|. The quaternion is not normalised during
+    the integration: its length drifts with the error of the method, and attitudes in the output
+    are divided by it.
     """
 
     function = "refdem_rigid_body_gear"
@@ -143,7 +149,7 @@ class GearFreeBody(SteppedFreeBodies):
 
 
 def of_points(order: int) -> Method:
-    """The claims of that order for points."""
+    """The claims of the method of the given order for points."""
     return Method(
         name=f"gear-{order}",
         summary=(
@@ -160,7 +166,7 @@ def of_points(order: int) -> Method:
 
 
 def of_free_body(order: int, *, constant: float = 1.0, constant_reason: str = "") -> Method:
-    """The claims of that order for free bodies, with the constant C of its error."""
+    """The claims of the method of the given order for free bodies; `constant` is C of its error."""
     return Method(
         name=f"gear-{order}-free-body",
         summary=(

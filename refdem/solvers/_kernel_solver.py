@@ -112,16 +112,16 @@ class KernelSolver(SceneSolver, KernelRun):
 
     def unsupported(self, problem: Motion) -> str | None:
         """None if the scene has the pattern, fits the method, and the motion reaches its last
-        sample.
+        sample; else the reason.
         """
         return super().unsupported(problem) or self.unsupported_times(problem)
 
     def unsupported_times(self, problem: Motion) -> str | None:
-        """None if the motion goes on to its last sample, else what ends it.
+        """None if the motion continues to its last sample, else what ends it.
 
-        Asked only of scenes that fit. Some motions end where the scene has no law for what follows,
-        which a trial shows: it belongs here, before the run, because the reference refuses before a
-        run or not at all.
+        Called only for scenes that match the pattern and its values. Some motions end at a point
+        beyond which the scene has no law. A trial run detects this. The trial is made here, because
+        the reference may refuse a problem before a run, but not during one.
         """
         return None
 

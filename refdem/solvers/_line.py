@@ -65,7 +65,7 @@ def line_of(scene: Scene) -> Line:
     spring = scene.all(Spring)[0]
     axis = _axis(scene)
     anchor = single.anchor(spring)
-    # x is measured from where the spring is relaxed, not from its anchor.
+    # x = axis . (r - anchor) - l is the stretch: x = 0 where the spring is relaxed.
     origin = anchor + spring.length * axis
     from_anchor = float(axis @ (bodies.position[0] - anchor))
     dashpot = next(iter(scene.all(Dashpot)), Dashpot(a=0))
@@ -106,7 +106,7 @@ def _axis(scene: Scene) -> Array:
         scene.bodies.velocity[0],
         single.gravity(scene),
     ]
-    # A point at rest without a force may be described along x.
+    # A point at rest on which no force acts may be described along any axis, here x.
     candidates.append(np.array([1.0, 0.0, 0.0]))
     first = next(vector for vector in candidates if np.any(vector))
     axis: Array = first / np.linalg.norm(first)

@@ -1,5 +1,5 @@
-"""A trial of a motion along a line, by the series of kernels/taylor_oscillator.c on a grid of its
-own: does it go on to the last sample, without passing the anchor of its spring?
+"""Trial run of a motion along a line, by the series of kernels/taylor_oscillator.c on a grid of its
+own. It tests whether the motion reaches the last sample without passing the anchor of its spring.
 """
 
 from math import ceil, sqrt
@@ -16,11 +16,11 @@ from refdem.solvers._line import Line, line_of
 Array = NDArray[np.float64]
 FAMILY = "taylor_oscillator"
 POINTS_PER_RADIAN = 8
-"""Points of the grid while the fastest part of the motion turns by one radian: between them a cubic
-through both ends, with their velocities, is right to h^4/384 = 6e-7 of that part.
+"""Points of the grid per radian of the fastest component of the motion. Hermite's cubic between two
+points has a relative error of at most h^4/384 = 6e-7 of that component, h = 1/8.
 """
 MOST_POINTS = 2**20
-"""Points of a grid at most (8 MB a column): longer motions are looked at more coarsely."""
+"""Largest number of points of a grid (8 MB a column); longer motions get a coarser grid."""
 
 
 def series_call(line: Line, t: Array) -> KernelCall:
@@ -46,8 +46,8 @@ def unsupported_times(problem: Motion) -> str | None:
     """None if the motion reaches the last sample on its side of the spring's anchor, else the
     reason.
 
-    A spring of natural length l > 0 pulls the other way behind its anchor, where x < -l: no series
-    of the force before it shows that.
+    The force of a spring of natural length l > 0 changes its direction behind the anchor, where x <
+    -l. A series of the force in front of the anchor does not describe this.
     """
     line = line_of(problem.scene)
     t = problem.times
@@ -75,14 +75,16 @@ def lowest_between(t: Array, x: Array, v: Array) -> Array:
     """
     h = np.diff(t)
     start = x[:-1]
-    # x(s) = start + b s + c s^2 + d s^3 for s from 0 to 1 (Hermite).
+    # Hermite's cubic x(s) = x0 + b s + c s^2 + d s^3, 0 <= s <= 1, has x(1) = x1, x'(0) = b = h v0
+    # and x'(1) = h v1: c = 3 (x1 - x0) - 2 h v0 - h v1, d = h v0 + h v1 - 2 (x1 - x0).
     gain = np.diff(x)
     b = v[:-1] * h
     end_rate = v[1:] * h
     c = 3.0 * gain - 2.0 * b - end_rate
     d = b + end_rate - 2.0 * gain
     lowest = np.minimum(start, x[1:])
-    # Roots of x'(s) = b + 2 c s + 3 d s^2, in the form that does not cancel.
+    # Roots of x'(s) = b + 2 c s + 3 d s^2 without cancellation: with q = -(c + sgn(c) sqrt(c^2 - 3
+    # b d)) they are q/(3 d) and b/q.
     root = np.sqrt(np.maximum(c * c - 3.0 * b * d, 0.0))
     half = -(c + np.copysign(root, c))
     with np.errstate(divide="ignore", invalid="ignore"):
@@ -106,7 +108,8 @@ def _made(line: Line, t: Array) -> tuple[int, Array]:
 def _grid(line: Line, t: Array) -> Array:
     """Times from the first sample to the last, dense enough for cubics between them."""
     spring = line.spring
-    # The stiffness of what the spring adds at the largest stretch that is of interest, its length.
+    # Estimates of the fastest rate: sqrt(k'/m) + c/m of spring and dashpot, with k' = k s^(n-1) + 2
+    # q s + 3 c3 s^2 at the stretch s = max(|x0|, l), and the largest frequency of the drives.
     stretch = max(abs(line.x0), spring.length)
     stiffness = (
         abs(spring.stiffness) * stretch ** (spring.exponent - 1.0)

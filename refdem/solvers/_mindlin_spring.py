@@ -1,5 +1,6 @@
-"""Tangential slip against a wall under Hertz's contact with a Mindlin spring, whose stiffness grows
-as the root of the overlap d: Taylor series in a time variable that makes the motion analytic.
+"""Tangential slip against a wall in Hertz's contact with a Mindlin spring, whose stiffness is
+proportional to sqrt(d), d the overlap: Taylor series in a time variable that makes the motion
+analytic.
 
 Units: the greatest overlap and the speed at first contact. With w = sqrt(d), v = d' and dt = w ds,
 Hertz's contact reads
@@ -32,7 +33,7 @@ ORDER = 20
 STEP = 0.125
 """Longest step in s."""
 LOOKS = 8
-"""Points in a step at which the sign of the event functions is looked at."""
+"""Points in a step at which the signs of the event functions are tested."""
 STICKS = 0
 """The mode in which the spring sticks; +1 and -1 are sliding in either direction."""
 W, V, P, Q = range(4)
@@ -89,8 +90,9 @@ class Spring:
         """Functions of s that are positive as long as the mode lasts, each with the mode that
         follows it; None is release.
 
-        Sticking lasts while g d -+ stretch > 0; sliding while |slip| > g d', the speed at which the
-        limit itself moves; the contact while w > 0.
+        Sticking lasts while g d -+ (q - q0) > 0, with d = w^2. Sliding in the direction of `side`
+        lasts while side p > g d', where g d' is the rate of the limit g d of the stretch. The
+        contact lasts while w > 0.
         """
 
         def limit(sign: int, s: float) -> float:
@@ -114,7 +116,8 @@ class Course:
     def at(self, overlap: float, rate: float) -> tuple[float, float]:
         """Slip velocity and slip distance at the moment with the given overlap and rate d'.
 
-        s is found by Newton's method for w(s) or v(s), whichever changes faster there.
+        s is found by Newton's method: for w(s) = sqrt(d) where |d'| > 0.7, else for v(s) = d'. The
+        derivative of the chosen function, v/2 or -5/4 w^4, is at least 0.35 in size there.
         """
         if abs(rate) > 0.7:
             variable = W
@@ -122,13 +125,15 @@ class Course:
         else:
             variable = V
             target = rate
-        # d' falls throughout, so the moment is in the first piece that ends at or below the rate.
+        # d' decreases throughout the contact (d'' < 0), so that the moment is in the first piece at
+        # the end of which d' is at most the rate.
         for c, length in self.pieces:
             if _at(c[V], length) <= rate:
                 break
         s = length / 2
         derivative = polynomial.polyder(c[variable])
         for _ in range(50):
+            # s <- s + (target - y(s))/y'(s).
             correction = (target - _at(c[variable], s)) / _at(derivative, s)
             s = min(max(s + correction, 0.0), length)
             if abs(correction) <= 1e-16:
@@ -147,7 +152,8 @@ def course(spring: Spring, slip: float) -> Course:
     """
     state = [0.0, 1.0, slip, 0.0]
     relaxed_at = 0.0
-    # At first contact the limit of the stretch grows as g d' = g: a faster slip slides at once.
+    # At first contact d' = 1, so that the limit of the stretch grows at the rate g. A slip faster
+    # than g slides from the start.
     if slip > spring.slack:
         mode: int | None = 1
     else:

@@ -47,8 +47,8 @@ scene's middle to save digits.
 MOST_EVENTS = 1024
 """Largest number of events that are reported; later ones are left out."""
 MANY = 12
-"""Largest number of pairs; the kernel examines each in every step and cuts the step at its
-events.
+"""Largest number of pairs. The kernel examines every pair in every step, and divides the step at
+the events of each.
 """
 
 
@@ -146,8 +146,9 @@ def _contact_unsupported(scene: Scene, law: Contact) -> str | None:
 
 
 def middle(scene: Scene) -> Array:
-    """The middle (3,) [m] of shapes that are far from the origin; else, or with a central field
-    there, the origin.
+    """The middle (3,) [m] of all shapes if they are far from the origin, else the origin.
+
+    In a central field it is always the origin.
     """
     shapes = scene.bodies.radius > 0
     positions = scene.bodies.position[shapes]
@@ -207,7 +208,7 @@ class Packed:
 
 
 def _turn_ease(bodies: Bodies) -> Array:
-    """1/J (N,) of every body; 0 for bodies that no torque rotates."""
+    """The inverse moments of inertia 1/J (N,) of bodies; 0 for fixed bodies and points."""
     inertia = bodies.inertia[:, 0]
     turns = ~bodies.fixed & (inertia > 0)
     safe = np.where(turns, inertia, 1.0)

@@ -1,7 +1,7 @@
 """Sliding friction without a tangential spring: tests whether the slip stays in one plane.
 
-In a plane the slip velocity ends by passing through zero. Out of a plane it turns as it ends, and
-is no smooth function of time there.
+In a plane the slip velocity passes through zero when it ends. Otherwise its direction changes
+as it ends, and it is not a smooth function of time there.
 """
 
 import numpy as np
@@ -34,8 +34,8 @@ def unsupported(scene: Scene) -> str | None:
 
 
 def _in_a_plane(scene: Scene) -> bool:
-    """True if some plane contains normals, relative velocities and loads of all pairs, with all
-    spins perpendicular to it.
+    """True if one plane contains the normals, relative velocities and loads of all pairs, and all
+    spins are perpendicular to it.
     """
     spins = scene.bodies.omega[scene.bodies.radius > 0]
     loads = _directions(scene)
@@ -44,12 +44,14 @@ def _in_a_plane(scene: Scene) -> bool:
     directions: list[Array] = [vector / float(np.linalg.norm(vector)) for vector in vectors]
     perpendicular = np.cross(directions[0], directions)
     longest = perpendicular[np.argmax(np.linalg.norm(perpendicular, axis=1))]
-    if np.linalg.norm(longest) <= ASKEW:  # all on one line: the spins say across which plane
+    if np.linalg.norm(longest) <= ASKEW:
+        # All directions are collinear. The plane then contains that line, and its normal is the
+        # direction of the spins across it.
         perpendicular_spins: list[Array] = [
             spin - float(spin @ directions[0]) * directions[0] for spin in spins
         ]
         longest = max(perpendicular_spins, key=lambda spin: float(np.linalg.norm(spin)))
-        # All spins are along the line too: every plane through it will do.
+        # The spins are along the line too, so that any plane through the line can be chosen.
         if np.linalg.norm(longest) <= ASKEW * max(float(np.linalg.norm(spins)), 1e-300):
             return True
     normal = longest / np.linalg.norm(longest)

@@ -82,7 +82,8 @@ def linear(problem: Ensemble, position: Array, velocity: Array) -> None:
     )
     x0 = (problem.position[:, 0] - origin) @ axis
     v0 = problem.velocity[:, 0] @ axis
-    # Of the size of the starts, so that differences lose no digits.
+    # Amplitude of the unit motions, of the size of the starts, so that the differences from `rest`
+    # do not cancel.
     unit = max(float(np.abs(x0).max()), float(np.abs(v0).max()))
 
     def state(x: float, v: float) -> Array:
@@ -93,6 +94,7 @@ def linear(problem: Ensemble, position: Array, velocity: Array) -> None:
     with_velocity = state(0.0, unit)
     by_place = (with_displacement - rest) / unit
     by_rate = (with_velocity - rest) / unit
+    # s(t) = rest(t) + x0 by_place(t) + v0 by_rate(t).
     from_place = by_place[:, None] * x0[None, :, None]
     from_rate = by_rate[:, None] * v0[None, :, None]
     states = rest[:, None] + from_place + from_rate
@@ -137,7 +139,7 @@ def coulomb(problem: Ensemble, position: Array, velocity: Array) -> None:
     start = float(t[0])
     count = len(t)
     for member, (x, v) in enumerate(zip(x0.tolist(), v0.tolist(), strict=True)):
-        # The rows of a member begin 3 T numbers after those of the one before.
+        # Each member has 3 T numbers.
         kernel(*law, x, v, start, count, samples, stopped, output_pointer + 3 * count * member)
     position[:, :, 0] = origin + rows[..., :1].transpose(1, 0, 2) * axis
     velocity[:, :, 0] = rows[..., 1:2].transpose(1, 0, 2) * axis
@@ -191,8 +193,8 @@ FLOWS: tuple[tuple[Any, Flow], ...] = (
     (exact_coulomb.METHOD, coulomb),
     (exact_pendulum.METHOD, pendulum),
 )
-"""Methods with a closed form, each with the function that fills its ensembles; the first that
-supports the scene counts.
+"""Methods with a closed form, each with the function that fills an ensemble. The first method that
+supports the scene is used.
 """
 
 
@@ -234,8 +236,8 @@ def _misfit(problem: Ensemble) -> str | None:
 
 
 def _doubtful_starts(problem: Ensemble) -> list[int]:
-    """Indices of the starts that seem off the rod or out of the plane; only these are tested one by
-    one.
+    """Indices of the starts that are off the rod or out of the plane by a coarse test; only these
+    are tested one by one.
     """
     rod = problem.scene.all(Rod)[0]
     arm = problem.position[:, 0] - single.anchor(rod)
@@ -243,7 +245,8 @@ def _doubtful_starts(problem: Ensemble) -> list[int]:
     down = single.gravity(problem.scene)
     speed = np.linalg.norm(velocity, axis=1)
     weight = float(np.linalg.norm(down))
-    # The rod has another length, or it stretches, or the motion leaves the plane of gravity.
+    # | |arm| - l | > 0, or arm . v != 0 (the rod would stretch), or (arm x g) . v != 0 (the motion
+    # leaves the vertical plane).
     wrong_length = np.abs(np.linalg.norm(arm, axis=1) - rod.length) > 1e-9 * rod.length
     stretching = np.abs(np.sum(arm * velocity, axis=1)) > OFF * rod.length * speed
     out_of_plane = np.abs(np.sum(np.cross(arm, down) * velocity, axis=1))

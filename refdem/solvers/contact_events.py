@@ -51,7 +51,8 @@ class ContactEvents(_particles.ParticleSolver):
         Events inside a step are found from sign changes between its ends.
         """
         scene = request.problem.scene
-        # Half a period of the lightest pair lasts pi sqrt(m/(2 k)).
+        # A contact lasts half a period, pi sqrt(m_eff/k); two bodies of the least mass m have the
+        # effective mass m_eff = m/2.
         lightest = float(scene.bodies.mass.min())
         stiffness = scene.all(Contact)[0].stiffness
         longest = pi * sqrt(lightest / 2 / stiffness) / 20

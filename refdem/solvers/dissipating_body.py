@@ -1,5 +1,10 @@
-"""A free body with internal damping, by Taylor series in L and the attitude
+"""A free body with internal damping, by Taylor series in angular momentum and attitude
 (kernels/dissipating_body.c).
+
+In principal axes, with w = J^-1 L and W = w + c L x w (Bloch, Krishnaprasad, Marsden and Ratiu
+1996):
+
+    L' = L x W,   q' = q W/2.
 """
 
 import numpy as np
@@ -53,6 +58,7 @@ class DissipatingBody(KernelSolver):
         bodies = scene.bodies
         inertia = bodies.inertia[0]
         attitude = bodies.attitude[0]
+        # L = J R^T omega in principal axes.
         momentum = inertia * rotated(conjugate(attitude), bodies.omega[0])
         states = np.empty((len(t), 7))
         states[0] = np.concatenate([momentum, attitude])
@@ -78,9 +84,10 @@ class DissipatingBody(KernelSolver):
         (states,) = call.outputs
         momentum = states[:, :3]
         attitude = states[:, 3:] / np.linalg.norm(states[:, 3:], axis=1, keepdims=True)
+        # omega = R J^-1 L in space axes.
         omega = rotated(attitude, momentum / inertia)
         omega[0] = bodies.omega[0]
-        # T = sum L_k^2/(2 J_k); what it loses is the dissipated work.
+        # T = sum L_k^2/(2 J_k). The dissipated work is T(0) - T(t).
         energy = 0.5 * np.sum(momentum**2 / inertia, axis=1)
         displacement = (t - t[0])[:, None, None] * bodies.velocity
         return Trajectory(

@@ -1,5 +1,5 @@
-"""Many starts of one plane pendulum, stepped together to order 10: the cheaper one from errors of
-1e-11 down.
+"""Many starts of one plane pendulum, stepped together by a composition of order 10, which is
+cheaper than that of order 8 for errors below 1e-11.
 """
 
 from refdem.solvers._ensemble_symplectic import EnsembleSymplectic, claimed

@@ -1,5 +1,5 @@
-"""Bodies at rest whose forces are balanced: the state at all times is the initial one (Newton 1687,
-law I).
+"""Bodies at rest on which the forces add up to zero: the state at all times is the initial one
+(Newton 1687, law I).
 """
 
 from time import perf_counter

@@ -7,11 +7,11 @@ from refdem.solvers._free_bodies import SteppedFreeBodies
 
 
 class EulerAngles(SteppedFreeBodies):
-    """Order 4, neither symplectic nor reversible: what the quaternion is measured against.
+    """Order 4, neither symplectic nor reversible: a method to compare with those in quaternions.
 
-    The rates of the angles diverge where sin theta = 0 (1.39 to 1.41). Every step is made in the
-    one of two frames of axes in which the body's z axis is at least 45 degrees from the pole, as
-    Allen and Tildesley propose.
+    The rates of the angles diverge where sin theta = 0 (1.39 to 1.41). Every step uses the one of
+    two frames of axes in which the body's z axis is at least 45 degrees from the pole (Allen and
+    Tildesley, Computer Simulation of Liquids).
     """
 
     claims = Method(

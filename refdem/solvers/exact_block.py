@@ -1,4 +1,4 @@
-"""A block on a floor that a linear spring pulls to and fro against Coulomb friction, in exact half
+"""A block on a floor that oscillates on a linear spring against Coulomb friction, in exact half
 cycles (kernels/coulomb.c).
 
 m x'' = -k x - mu N sgn(x'), with N the weight that presses the block on the floor.
@@ -95,7 +95,7 @@ class ExactBlock(KernelSolver):
         load = _balance.pressed(scene)
         assert not isinstance(load, str)
         line = line_of(scene, load)
-        # Its height does not change: what was off the line at the start stays off it.
+        # r = foot + x line. `foot` has the part of the initial position off the line, which stays.
         start = scene.bodies.position[0]
         foot = start - float(line @ _stretch(scene)) * line
         position = foot + rows[:, :1, None] * line
@@ -124,7 +124,7 @@ def line_of(scene: Scene, load: _balance.Load) -> Array:
     direction = _in_plane(_stretch(scene), load)
     if not np.any(direction):
         direction = _in_plane(scene.bodies.velocity[0], load)
-    # Scaled first, since squares of small numbers are 0.
+    # Scaled by the largest component first: the squares of very small numbers underflow.
     scaled = direction / (np.abs(direction).max() or 1.0)
     length = np.linalg.norm(scaled) or 1.0
     line: Array = scaled / length
@@ -154,7 +154,7 @@ def _off_line(scene: Scene, load: _balance.Load) -> str | None:
         return "nothing moves"
     if load.steepness > _balance.SLACK:
         return "the plane is not level"
-    # The block is put on the plane with the rounding of its own size.
+    # The height of the block has the rounding of its own size.
     size = np.linalg.norm(stretch) + extent(scene.bodies.shape[0])
     if abs(stretch @ load.normal) > _balance.SLACK * size:
         return "the spring does not pull along the plane"

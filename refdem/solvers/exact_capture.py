@@ -1,5 +1,5 @@
 """A free point that a hook catches at closest approach: a straight line, then a circle about the
-hook.
+hook, in closed form.
 
 r(t) = r0 + v t until t_c = -r0.v/v^2, where r.v = 0; then a circle of radius d = |r(t_c)| at the
 same speed, if d is within the hook's radius.
@@ -71,14 +71,14 @@ class ExactCapture(SceneSolver):
         if is_caught:
             since = (t - t[0]) - catch_time
         after_catch = (since > 0)[:, None]
-        # Before the catch the straight line, after it a circle at the same speed.
+        # r = arm + v t before the catch, and a circle at the same speed after it.
         flight_time = np.where(since > 0, catch_time, t - t[0])
         on_line = arm + v * flight_time[:, None]
         on_circle, along_circle = _circle(nearest, v, np.maximum(since, 0.0))
         offset = np.where(after_catch, on_circle, on_line)
         velocity = np.where(after_catch, along_circle, v)
-        # m v^2/d on the circle of radius d; what hits the hook (d = 0) is not caught, and any
-        # radius serves there.
+        # F = m v^2/d on the circle of radius d. A point that hits the hook itself (d = 0) is not
+        # caught; 1 then avoids a division by zero.
         radius = distance
         if radius == 0:
             radius = 1.0
@@ -103,6 +103,8 @@ def _circle(nearest: Array, v: Array, since: Array) -> tuple[Array, Array]:
     """
     speed = np.sqrt(v @ v)
     distance = float(np.linalg.norm(nearest))
+    # r = nearest cos(angle) + ahead sin(angle), v = v0 cos(angle) - nearest rate sin(angle), with
+    # rate = |v|/d and angle = rate since.
     angle = np.zeros((len(since), 1))
     rate = speed
     if distance > 0:

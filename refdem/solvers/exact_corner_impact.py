@@ -1,5 +1,11 @@
-"""A rigid box, or any prism, that comes down on a smooth plane with one corner and turns away, in
-closed form.
+"""A rigid prism that hits a smooth plane with one corner and rotates away from it, in closed form.
+
+With the arm r from the centre to the corner, the normal n, the closing speed c = -(u + omega (r x
+n)_z) and the coefficient of restitution e, the impulse along n is
+
+    J = (1 + e) c/(1/m + (r x n)_z^2/I),   u+ = u + J/m,   omega+ = omega + (r x n)_z J/I,
+
+and the loss of energy is (1 - e^2) c^2/(2 (1/m + (r x n)_z^2/I)).
 """
 
 from dataclasses import dataclass
@@ -20,10 +26,10 @@ from refdem.solvers._scene_pattern import ONE, ScenePattern, SceneSolver
 
 Array = NDArray[np.float64]
 ALIKE = 1e-12
-"""Part of the radius by which corners may differ in height and still touch together."""
+"""Relative difference of heights, in radii, up to which corners touch at the same time."""
 MOST_ADVANCES = 200
-"""Steps towards the impact of a box that turns. A corner that is about to touch is reached in a
-few, each of which squares what is left; one that grazes the plane is not.
+"""Largest number of steps towards the impact of a rotating box. The steps converge quadratically to
+the impact of a corner that approaches the plane, but not to a grazing contact.
 """
 
 
@@ -76,10 +82,11 @@ class ExactCornerImpact(SceneSolver):
         until = np.minimum(t, met.time)[:, None, None]
         since = np.maximum(t - met.time, 0.0)[:, None, None]
         has_met = t > met.time
+        # r = r0 + v0 t + (v+ - v0) (t - t_i) after the impact at t_i; omega is piecewise constant.
         position = bodies.position + bodies.velocity * t[:, None, None] + met.kick * since
         velocity = bodies.velocity + np.where(has_met[:, None, None], met.kick, 0.0)
         omega = np.where(has_met[:, None, None], met.omega, bodies.omega)
-        # All turns are about z, and commute.
+        # All rotations are about z and commute: their angles add up.
         attitude = product(turned_by(bodies.omega * until + met.omega * since), bodies.attitude)
         events = []
         if has_met.any():
@@ -99,8 +106,10 @@ class ExactCornerImpact(SceneSolver):
 
 @dataclass(frozen=True)
 class _Impact:
-    """When it comes [s], the velocity (3,) [m/s] that it adds, the angular velocity (3,) [rad/s] it
-    leaves, the energy [J] that it takes, and how long [s] no corner can come down after it.
+    """The impact: `time` [s], the change `kick` (3,) [m/s] of the velocity, `omega` (3,) [rad/s]
+    after it and the energy `lost` [J].
+
+    No corner can touch the plane for `clear` [s] after it, nor ever if `is_clear_for_ever`.
     """
 
     time: float
@@ -112,7 +121,7 @@ class _Impact:
 
 
 def _met(problem: Motion) -> _Impact | str:
-    """The first impact of a corner, or why there is none that is alone."""
+    """The first impact of a single corner, or the reason why there is none."""
     scene = problem.scene
     bodies = scene.bodies
     plane = scene.all(Plane)[0]
@@ -135,15 +144,18 @@ def _met(problem: Motion) -> _Impact | str:
         return "a face that meets the plane"
     mass = float(bodies.mass[0])
     inertia = float(bodies.inertia[0, 2])
+    # (r x n)_z, and c = -(u + omega (r x n)_z).
     lever = float(arm[0] * normal[1] - arm[1] * normal[0])
     closing = -(fall.speed + fall.spin * lever)
-    # J = (1 + e) c/(1/m + (r x n)^2/I).
+    # J = (1 + e) c/(1/m + (r x n)_z^2/I), omega+ = omega + (r x n)_z J/I, u+ = u + J/m.
     ease = 1 / mass + lever**2 / inertia
     e = scene.all(Contact)[0].restitution
     impulse = (1 + e) * closing / ease
     rate = fall.spin + lever * impulse / inertia
     rise = fall.speed + impulse / mass
     clear = _clear(arms, normal, heights, low, rise, rate, radius)
+    # Height of the centre at the impact. All corners are clear for ever once the centre is higher
+    # than the radius and rises.
     above = -float(heights.min())
     return _Impact(
         time=time,
@@ -167,8 +179,11 @@ class _Fall:
     normal: Array
 
     def touch(self, arms: Array, duration: float) -> float | None:
-        """The time [s] at which the first corner touches while it comes down, or None if none does
-        in the duration.
+        """The time [s] at which the first descending corner touches the plane, or None if none does
+        within the duration.
+
+        Conservative advancement (Mirtich 1996): no corner touches before the smallest root of g + u
+        s - R omega^2 s^2/2 = 0, with the gap g, its rate u and the distance R of each corner.
         """
         if self.place + float((arms @ self.normal).min()) <= 0:
             return None
@@ -182,12 +197,12 @@ class _Fall:
         for _ in range(MOST_ADVANCES):
             gap, rising = self.corners(arms, t)
             lowest = int(np.argmin(gap))
-            # Newton's step from the lowest corner, once it is there to rounding.
+            # At a gap of the size of rounding one Newton step, t - g/g', gives the time.
             if gap[lowest] <= ALIKE * reach.max():
                 if rising[lowest] >= 0:
                     return None
                 return t - float(gap[lowest] / rising[lowest])
-            # No corner comes down before g + u s - R omega^2 s^2/2 is 0.
+            # s = (u + sqrt(u^2 + 2 R omega^2 g))/(R omega^2), the least of all corners.
             t += float(((rising + np.sqrt(rising**2 + 2 * bend * gap)) / bend).min())
             if t > duration:
                 return None
@@ -196,6 +211,7 @@ class _Fall:
     def corners(self, arms: Array, t: float) -> tuple[Array, Array]:
         """Heights (M,) [m] of the corners above the plane at t [s], and their rates [m/s]."""
         turned = rotated(turned_by(np.array([0.0, 0.0, self.spin * t])), arms)
+        # g = h + u t + n . R(omega t) r and g' = u + omega (R(omega t) r x n)_z.
         gap = self.place + self.speed * t + turned @ self.normal
         across = turned[:, 0] * self.normal[1] - turned[:, 1] * self.normal[0]
         return gap, self.speed + self.spin * across
@@ -210,16 +226,17 @@ def _clear(
     rate: float,
     radius: float,
 ) -> float:
-    """The time [s] after the impact in which no corner can come down.
+    """The time [s] after the impact within which no corner can touch the plane.
 
     A corner is at least g + u s - R omega^2 s^2/2 above the plane, with its height g and its
-    velocity u right after the impact: nothing accelerates it but the rotation.
+    velocity u right after the impact, because its only acceleration is that of the rotation.
     """
     gap = np.where(low, 0.0, heights - heights.min())
     rising = rise + rate * (arms[:, 0] * normal[1] - arms[:, 1] * normal[0])
     bend = radius * rate**2
     if bend == 0:
         return float(np.inf)
+    # s = (u + sqrt(u^2 + 2 R omega^2 g))/(R omega^2).
     roots = (rising + np.sqrt(rising**2 + 2 * bend * gap)) / bend
     return float(roots.min())
 

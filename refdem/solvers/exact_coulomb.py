@@ -1,8 +1,9 @@
 """A body on a linear spring with dry friction along one line, in exact half cycles
 (kernels/coulomb.c).
 
-m x'' = -k x - f sgn(x'): each half cycle is harmonic about the centre -+f/k, and the body stops for
-ever at a turning point with k |x| <= f.
+m x'' = -k x - f sgn(x'), with the friction f = mu N. Each half cycle is harmonic about the centre
+-+f/k, and the body stops for ever at a turning point with k |x| <= f. Gravity along the line shifts
+the equilibrium from which x is measured here.
 """
 
 import numpy as np

@@ -1,8 +1,10 @@
 """A point that falls, or is thrown up, against quadratic drag: tan on the way up, Riccati's
 solution on the way down.
 
-With u the velocity along gravity over the terminal velocity v_t = sqrt(m g/c), s = g t/v_t and X
-the way over v_t^2/g: X' = u, u' = 1 - |u| u.
+Scaled variables: u is the velocity along gravity in units of the terminal velocity v_t = sqrt(m
+g/c), s = g t/v_t the time, and X the distance in units of v_t^2/g. Then m v' = m g - c |v| v reads
+
+    X' = u,   u' = 1 - |u| u              (' is d/ds).
 """
 
 from time import perf_counter
@@ -59,7 +61,7 @@ class ExactDrag(SceneSolver):
         return None
 
     def run(self, request: Request) -> tuple[Trajectory, Cost]:
-        """Place and velocity along the direction of gravity."""
+        """Positions and velocities at the samples, along the direction of gravity."""
         begun = perf_counter()
         scene = request.problem.scene
         times = request.problem.times
@@ -69,6 +71,7 @@ class ExactDrag(SceneSolver):
         down = weight / gravity
         start = float(scene.bodies.velocity[0] @ down) / terminal
         started = perf_counter()
+        # s = g t/v_t; then x = X v_t^2/g and v = u v_t.
         way, speed = fallen(start, gravity * (times - times[0]) / terminal)
         position = scene.bodies.position + (way * terminal**2 / gravity)[:, None, None] * down
         velocity = (speed * terminal)[:, None, None] * down
@@ -88,7 +91,7 @@ def fallen(start: float, s: Array) -> tuple[Array, Array]:
     """X and u (T,) at scaled times s (T,) after a start with the velocity `start` along gravity."""
     if start >= 0:
         return _down(start, s)
-    # The turning point is at s1 = arctan(-u0), ln sqrt(1 + u0^2) above the start.
+    # The turning point is at s1 = arctan(-u0) and X = -ln sqrt(1 + u0^2), above the start.
     top_time = np.arctan(-start)
     top = -0.5 * np.log1p(start**2)
     way_down, speed_down = _down(0.0, np.maximum(s - top_time, 0.0))
@@ -100,8 +103,8 @@ def fallen(start: float, s: Array) -> tuple[Array, Array]:
 def _down(start: float, s: Array) -> tuple[Array, Array]:
     """X = ln(cosh s + u0 sinh s) and u = (u0 + tanh s)/(1 + u0 tanh s)."""
     tangent = np.tanh(s)
-    # cosh s + u0 sinh s = exp(s) (1 + (u0 - 1)(1 - exp(-2 s))/2): no overflow at large s, and for
-    # small s, where the logarithm is nearly -s, the other form, 1 + 2 sinh^2(s/2) + u0 sinh s.
+    # X = s + ln(1 + (u0 - 1)(1 - exp(-2 s))/2) does not overflow at large s, but cancels at small
+    # s, where X = ln(1 + 2 sinh^2(s/2) + u0 sinh s) is used.
     large = s + np.log1p((start - 1) * -np.expm1(-2 * s) / 2)
     near = np.minimum(s, 1.0)
     small = np.log1p(2 * np.sinh(near / 2) ** 2 + start * np.sinh(near))
@@ -112,7 +115,8 @@ def _down(start: float, s: Array) -> tuple[Array, Array]:
 def _up(start: float, s: Array) -> tuple[Array, Array]:
     """X = -ln(cos s - u0 sin s) and u = tan(s + arctan u0), for u0 < 0 up to the turning point."""
     sine = np.sin(s)
-    # cos s - u0 sin s = 1 - 2 sin^2(s/2) - u0 sin s.
+    # cos s - u0 sin s = 1 + excess, excess = -2 sin^2(s/2) - u0 sin s; u = (sin s + u0 cos s)/(1 +
+    # excess).
     excess = -2 * np.sin(s / 2) ** 2 - start * sine
     speed = (sine + start * np.cos(s)) / (1 + excess)
     return -np.log1p(excess), speed

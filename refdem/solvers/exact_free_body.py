@@ -33,7 +33,7 @@ class ExactFreeBody(FreeBodies):
         return None
 
     def turn(self, request: Request, body: int) -> KernelCall:
-        """The call that fills attitude (T, 4) and omega (T, 3) at the samples; errors of a few
+        """The call that fills attitude (T, 4) and omega (T, 3) at the samples, with errors of a few
         ulp.
         """
         t = request.problem.times

@@ -20,8 +20,8 @@ from refdem.solvers._scene_pattern import ONE, TWO, ScenePattern
 Array = NDArray[np.float64]
 
 ROUNDED = 4 * 2.0**-52
-"""Overlaps of so many times the distance, and transverse speeds of so many times the speed, are
-rounding.
+"""Relative rounding of overlaps, in units of the sum of radii, and of transverse speeds, in units
+of the closing speed.
 """
 
 
@@ -67,7 +67,7 @@ class ExactHeadOn(KernelSolver):
         law = scene.all(Contact)[0]
         overlap, closing, _ = approach(scene)
         start = min(unrounded(scene, overlap), 0.0)
-        # The kernel begins before or at contact: with an overlap of at most 0.
+        # The kernel starts before or at contact, so that the overlap is at most 0.
         no_pull = law.cutoff == "zero_force"
         return KernelCall(
             function="refdem_head_on",
@@ -165,8 +165,8 @@ def states(
     bodies = scene.bodies
     total_mass = bodies.mass.sum()
     centre_velocity = bodies.mass @ bodies.velocity / total_mass
-    # The centre of mass does not feel the contact: of a change of the overlap m2/(m1 + m2) moves
-    # the first sphere forward, and m1/(m1 + m2) the second one back.
+    # The contact does not accelerate the centre of mass. Of a change D of the overlap the first
+    # sphere moves by m2/(m1 + m2) D along the normal, and the second by -m1/(m1 + m2) D.
     share = np.array([bodies.mass[1], -bodies.mass[0]])[:, None] / total_mass * along(scene)
     position = (
         bodies.position + centre_velocity * t[:, None, None] + overlap_growth[:, None, None] * share

@@ -1,10 +1,10 @@
 """One sphere against a wall under Hertz's law: the normal motion in closed form
 (kernels/power_contact.c), sliding friction by its impulse.
 
-Across the normal the slip velocity p and the slip distance q = integral p dt determine everything.
-For a solid sphere (J = 2/5 m R^2) a tangential impulse per mass i changes the velocity by i and R
-omega by 5/2 i, so p by 7/2 i. So of a loss of p the velocity takes 2/7 and R omega 5/7, and
-friction dissipates m (p0^2 - p^2)/7.
+The slip velocity p and the slip distance q = integral p dt determine the tangential motion. For a
+solid sphere (J = 2/5 m R^2) a tangential impulse per mass i changes the velocity by i, R omega by
+5/2 i, and therefore p by 7/2 i. A loss of p is thus shared by velocity and R omega as 2/7 and 5/7,
+and friction dissipates m (p0^2 - p^2)/7.
 """
 
 from time import perf_counter
@@ -31,8 +31,8 @@ ROUNDED = 4 * 2.0**-52
 class ExactHertzWall(SceneSolver):
     """A sphere against a wall under Hertz's law, whose slip stays on one line.
 
-    While it slides, the slip falls by 7/2 mu times the normal impulse per mass, and stays zero
-    afterwards; or a tangential spring changes it (`_mindlin_spring`).
+    Without a tangential spring the slip decreases by 7/2 mu times the normal impulse per mass until
+    it is zero, and stays zero. A tangential spring is integrated by `_mindlin_spring`.
     """
 
     claims = Method(
@@ -65,7 +65,7 @@ class ExactHertzWall(SceneSolver):
         law = scene.all(Contact)[0]
         plane = scene.all(Plane)[0]
         radius = bodies.radius[0]
-        # 2/5 m R^2, for which the impulse on the slip has the factor 7/2.
+        # J = 2/5 m R^2, for which a tangential impulse per mass i changes the slip by 7/2 i.
         solid_moment = 0.4 * bodies.mass[0] * radius**2
         is_solid = np.all(np.abs(bodies.inertia[0] - solid_moment) <= ROUNDED * solid_moment)
         if law.friction > 0 and (law.branch != "R" or not is_solid):
@@ -186,11 +186,13 @@ class Impact:
             stopping_impulse = self.slip * 2 / 7 / friction
         else:
             stopping_impulse = np.inf
+        # The normal impulse per mass of the whole contact is 2 rate(0).
         if stopping_impulse < 2 * self.rate:
             stop_time = self.stopping_time(stopping_impulse, times)
         else:
             stop_time = np.inf
-        # The time integral of J: rate(0) t - (d(t) - d(0)) while it slides, then constant J.
+        # Time integral of J: rate(0) t - (d(t) - d(0)) up to the end of the slip at t_s, and J(t_s)
+        # (t - t_s) beyond it.
         sliding_until = np.minimum(t, stop_time)
         state_then, _ = self.normal(sliding_until)
         sliding_integral = self.rate * sliding_until - (state_then[:, 0] - self.overlap)
@@ -236,7 +238,10 @@ class Impact:
         distance.
         """
         overlap_growth = overlap_and_rate[:, 0] - self.overlap
-        # Of what the slip loses the velocity takes 2/7, and the spin, times R, 5/7.
+        # With the loss D of slip velocity and its integral Q:
+        # r = r0 + across t + (d - d0) n - 2/7 Q along,
+        # v = across + d' n - 2/7 D along,
+        # omega = omega0 - 5/7 D/R (n x along).
         free_flight = self.place + self.across * t[:, None]
         shift_back = distance_loss[:, None] * self.along * (2 / 7)
         position = free_flight + overlap_growth[:, None] * self.n - shift_back

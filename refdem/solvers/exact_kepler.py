@@ -1,5 +1,5 @@
 """A point on a bound orbit in a central field, in closed form by Kepler's equation
-(kernels/kepler.c).
+(kernels/kepler.c): M = E - e sin E with the mean anomaly M = M0 + n (t - t0).
 """
 
 import numpy as np

@@ -1,5 +1,5 @@
 """A point on a rod in uniform gravity, moving in a plane, in closed form by Jacobi functions
-(kernels/pendulum.c).
+(kernels/pendulum.c): theta'' = -(g/l) sin(theta).
 """
 
 import numpy as np
@@ -55,7 +55,7 @@ class ExactPendulum(KernelSolver):
             function="refdem_pendulum",
             inputs=(*constants, bodies.position[0], bodies.velocity[0]),
             clock=samples_from_start(t),
-            # Filled, not only allocated: the first touch of memory is set-up.
+            # Filled and not only allocated, so that page faults of fresh memory count as set-up.
             outputs=tuple(np.full(shape, np.nan) for shape in shapes),
         )
 

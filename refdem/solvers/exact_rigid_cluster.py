@@ -1,5 +1,5 @@
-"""Points that rods hold together as one rigid body, on which nothing acts: the free body's closed
-form (kernels/free_body.c).
+"""Points that rods join to one free rigid body, by the closed form of the free body
+(kernels/free_body.c).
 """
 
 from time import perf_counter
@@ -70,11 +70,12 @@ class ExactRigidCluster(SceneSolver):
             *inputs, t[0], len(t), pointer("free_body", t), *outputs
         )
         cost = Cost(seconds=perf_counter() - started, setup=started - begun)
-        # The kernel's attitude Q maps principal axes at the start to those now: R = A Q A^T in
-        # space, with the columns of A the initial principal axes.
+        # The kernel's attitude Q maps the principal axes at the start to those at t. In space the
+        # rotation is R = A Q A^T; the columns of A are the principal axes at the start.
         rotation = axes @ matrix(attitude) @ axes.T
         arms_now = np.einsum("tij,nj->tni", rotation, arms)
         omega_space = omega_body @ axes.T
+        # v = V + omega x R r, and r = R0 + V t + R r with the initial arm r.
         velocity = centre_velocity + np.cross(omega_space[:, None], arms_now)
         position = (centre + np.outer(t - t[0], centre_velocity))[:, None] + arms_now
         position[0] = scene.bodies.position
@@ -87,9 +88,9 @@ def _initial_cluster(scene: Scene) -> tuple[Array, Array, Array, Array, Array]:
     """The cluster at the start: centre of mass, its velocity, arms from it (N, 3), inertia tensor
     (3, 3), omega (3,).
 
-    Means are taken of differences from the heaviest point, and arms as means of differences: far
-    from the origin, or for a point almost at the centre of mass, the rounding then stays small
-    relative to the arms.
+    Means are computed from differences to the heaviest point, and arms as means of differences. The
+    rounding then stays small relative to the arms, also far from the origin and for a point almost
+    at the centre of mass.
     """
     mass = scene.bodies.mass
     bodies = scene.bodies

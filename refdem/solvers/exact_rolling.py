@@ -25,7 +25,7 @@ from refdem.solvers._scene_pattern import ANY, ONE, ScenePattern, SceneSolver
 
 Array = NDArray[np.float64]
 SLACK = 8 * 2.0**-52
-"""Relative rounding of a slip, and of a slope; what is smaller counts as none."""
+"""Relative rounding of a slip and of a slope; smaller values count as zero."""
 ASKEW = 1e-12
 """Largest relative component off the plane, or off the line of the motion: round-off of a scene
 that was rotated, or moved by a few ulp.
@@ -50,17 +50,18 @@ class Rolled:
     def rates(self, side: int) -> tuple[float, float]:
         """u' [m/s^2] and w' [rad/s^2] for the sign of the slip, 0 while it rolls."""
         if side == 0:
-            # All of gravity goes into v and omega together: u' = g_d/(1 + f), R w' = u'.
+            # Rolling keeps s = u - R w = 0: u' = g_d/(1 + f), R w' = u'.
             rolling = self.along / (1 + self.factor)
             return rolling, rolling / self.radius
-        # Friction F/m = -mu g_n sgn s, with the torque -R F about a.
+        # Sliding: F/m = -mu g_n sgn s and J w' = -R F, J = f m R^2. Then u' = g_d + F/m and w' =
+        # -(F/m)/(f R).
         rubbing = -side * self.friction * self.pressing
         return self.along + rubbing, -rubbing / (self.factor * self.radius)
 
     def side_after(self) -> int:
         """The sign of the slip right after a time at which it is 0.
 
-        Rolling takes the friction |g_d| f/(1 + f), which is at most mu g_n.
+        Rolling requires the friction F/m = |g_d| f/(1 + f). It rolls on if this is at most mu g_n.
         """
         limit = self.friction * self.pressing * (1 + 1 / self.factor)
         if abs(self.along) <= limit * (1 + SLACK):
@@ -70,8 +71,8 @@ class Rolled:
 
 @dataclass(frozen=True)
 class Phase:
-    """Constant rates from `begin` [s] on, where the way [m], u [m/s], the angle [rad], w [rad/s]
-    and the work of friction [J] have the values of `state`.
+    """A phase with constant rates from `begin` [s] on. `state` has the distance [m], u [m/s], the
+    angle [rad], w [rad/s] and the work of friction [J] at its beginning.
 
     `side` is the sign of the slip, 0 while it rolls; `slip` [m/s] is that at the start and
     `slip_rate` [m/s^2] its rate. `rubbing` is the size of the friction [N] while it slides.
@@ -86,11 +87,11 @@ class Phase:
     rubbing: float
 
     def after(self, since: Array) -> tuple[Array, Array, Array, Array, Array]:
-        """The same five numbers at times `since` [s] after the start."""
+        """The five numbers of `state` at times `since` [s] after the beginning of the phase."""
         way, speed, angle, spin, work = self.state
         acceleration, spin_up = self.rates
         gained = since * since / 2
-        # The way of the slip: the integral of u - R w.
+        # The slip distance is the integral of s = u - R w; friction dissipates mu N times its size.
         slipped = self.slip * since + self.slip_rate * gained
         return (
             way + speed * since + acceleration * gained,
@@ -179,7 +180,7 @@ def _turn(axis: Array, angle: Array) -> Array:
 
 
 def _events(phases: list[Phase], times: Array) -> tuple[Event, ...]:
-    """The time at which the point of contact sticks, if it does within the run."""
+    """The event at which the point of contact sticks, if it does within the run."""
     last = phases[-1]
     time = float(times[0] + last.begin)
     if len(phases) == 1 or last.side or time > times[-1]:
@@ -221,6 +222,7 @@ def _phases(rolled: Rolled, scene: Scene) -> list[Phase]:
     first = _phase(rolled, mass, 0.0, side, (0.0, speed, 0.0, spin, 0.0))
     if slip == 0.0 or not first.slip_rate * side < 0:
         return [first]
+    # s + s' t = 0.
     ended = -slip / first.slip_rate
     way, speed, angle, spin, work = (float(x) for x in first.after(np.array(ended)))
     last_state = (way, speed, angle, spin, work)
@@ -275,7 +277,7 @@ def _off_line(scene: Scene, load: _balance.Load) -> str | None:
     speed = float(np.linalg.norm(bodies.velocity[0]))
     steep = float(np.linalg.norm(load.along))
     moves_aside = abs(float(bodies.velocity[0] @ axis)) > ASKEW * speed
-    # Along a level plane that was rotated, gravity is a rounding of what presses.
+    # In a level plane that was rotated, the component of gravity along it is a rounding of g_n.
     is_pulled_aside = abs(float(load.along @ axis)) > ASKEW * (steep + load.pressing)
     if moves_aside or is_pulled_aside:
         return "the slip leaves the line on which it begins"

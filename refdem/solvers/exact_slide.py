@@ -61,14 +61,16 @@ class ExactSlide(SceneSolver):
         load = _balance.pressed(scene)
         assert not isinstance(load, str)
         steepness = load.steepness
-        # g sin - mu g cos = g sin (1 - mu/tan), along gravity's component in the plane.
+        # a = g sin - mu g cos = g sin (1 - mu/tan), along the component of gravity in the plane.
         acceleration = (1 - scene.all(Contact)[0].friction / steepness) * load.along
         started = perf_counter()
         t = (times - times[0])[:, None, None]
         bodies = scene.bodies
+        # r = r0 + a t^2/2, v = a t.
         position = bodies.position + acceleration * (t * t / 2)
         velocity = acceleration * t
         seconds = perf_counter() - started
+        # W = mu N |r - r0|, N = m g_n.
         friction = scene.all(Contact)[0].friction * load.pressing * bodies.mass[0]
         work = friction * np.linalg.norm(position - bodies.position, axis=-1)[:, 0]
         attitude_columns = {

@@ -1,7 +1,7 @@
-"""A wedge that hits a wall, turns round and leaves, in closed form (kernels/power_contact.c).
+"""A wedge that hits a wall, rotates by pi and leaves, in closed form (kernels/power_contact.c).
 
-The force is k2 d^2 while the edge points at the wall and k1 d while the side does. The wedge turns
-by pi at the greatest overlap, so one law acts on the way in and the other on the way out.
+The force is k2 d^2 while the edge points at the wall, and k1 d while the side does. The wedge
+rotates by pi at the greatest overlap, so that one law acts on approach and the other on separation.
 """
 
 from dataclasses import dataclass
@@ -22,8 +22,8 @@ TURN = np.array([0.0, 0.0, 0.0, 1.0])
 
 
 class ExactWedge(KernelSolver):
-    """Free flight, in under one law, out under the other, free flight; the orientation selects the
-    law.
+    """Free flight, approach under one law, separation under the other, free flight. The orientation
+    of the wedge selects the law.
     """
 
     claims = Method(
@@ -110,8 +110,8 @@ class _Meeting:
 
     @property
     def gained(self) -> float:
-        """Energy [J] that the turn at the greatest overlap adds: stored under the outward law less
-        under the inward law.
+        """Energy [J] that the rotation at the greatest overlap adds: that stored under the outward
+        law minus that under the inward law.
         """
         deepest = _deepest(self.mass, self.inward, self.outward, self.overlap, self.rate)
         return _stored(self.outward, deepest) - _stored(self.inward, deepest)
@@ -144,8 +144,8 @@ def _stored(law: np.ndarray, overlap: float) -> float:
 
 
 def _comes_edge_first(scene: Scene, wall: Wedge, overlap: float, rate: float) -> bool:
-    """True if the edge points at the wall on the way in. On the way out, after the turn, it is the
-    other way round.
+    """True if the edge points at the wall during the approach. During the separation, after the
+    rotation, it points away from it.
     """
     edge_now = bool(wall.edge_first(scene.bodies.attitude[0]))
     if overlap > 0 and rate < 0:

@@ -1,14 +1,15 @@
-"""A point on a linear spring in the plane, damped by fluids at rest and by fluids that turn, in
+"""A point on a linear spring in the plane, damped by fluids at rest and by rotating fluids, in
 closed form.
 
-With z = x + i y from the spring's anchor, c the sum of all dampings c_j, K the sum of c_j W_j of
-those that turn at W_j about a_j,
+Position z = x + i y from the spring's anchor; c is the sum of all dampings c_j, and K the sum of
+c_j W_j over the fluids that rotate at W_j about a_j:
 
     m z'' + c z' + (k - i K) z = m g - i sum c_j W_j a_j.
 
-About the equilibrium z_e = (right-hand side)/(k - i K) both roots q of m q^2 + c q + k - i K give
-exponentials. q_2 = -b - s is the one of the larger size, b = c/(2 m), s = sqrt(b^2 - (k - i K)/m),
-Re s >= 0, and q_1 q_2 = (k - i K)/m.
+The motion about the equilibrium z_e = (right-hand side)/(k - i K) is a sum of exp(q_1 t) and
+exp(q_2 t) with the roots of m q^2 + c q + k - i K = 0. The larger root is q_2 = -b - s, with b =
+c/(2 m), s = sqrt(b^2 - (k - i K)/m) and Re s >= 0; the other one follows from q_1 q_2 = (k - i K)/m
+without cancellation.
 """
 
 from dataclasses import dataclass
@@ -33,7 +34,7 @@ Complex = NDArray[np.complex128]
 
 
 class ExactWhirl(SceneSolver):
-    """One point in the plane on a linear spring, in fluids at rest and in fluids that turn."""
+    """One point in the plane on a linear spring, in fluids at rest and in rotating fluids."""
 
     claims = Method(
         name="exact-whirl",
@@ -64,7 +65,7 @@ class ExactWhirl(SceneSolver):
         return None
 
     def run(self, request: Request) -> tuple[Trajectory, Cost]:
-        """Place and velocity at the samples."""
+        """Positions and velocities at the samples."""
         begun = perf_counter()
         scene = request.problem.scene
         times = request.problem.times
@@ -94,12 +95,16 @@ class Whirl:
     velocity: complex
 
     def at(self, t: Array) -> tuple[Complex, Complex]:
-        """z [m] and z' [m/s] (T,) a time t (T,) [s] after the start.
+        """z [m] and z' [m/s] (T,) at times t (T,) [s] after the start.
 
-        With Z = z - z_e, Z = Z0 exp(q2 t) + (v0 - q2 Z0) D, v = v0 exp(q2 t) + q1 (v0 - q2 Z0) D,
-        D = (exp(q1 t) - exp(q2 t))/(q1 - q2): the larger exponential times 1 less the ratio of
-        both, which is exp(-2 s |t|).
+        With Z = z - z_e and D = (exp(q1 t) - exp(q2 t))/(q1 - q2),
+
+            Z = Z0 exp(q2 t) + (v0 - q2 Z0) D,
+            v = v0 exp(q2 t) + q1 (v0 - q2 Z0) D.
+
+        D is computed as sgn(t) (1 - exp(-2 s |t|))/(2 s) times the larger of both exponentials.
         """
+        # s = sqrt(b^2 - p), q2 = -b - s, q1 = p/q2, and q1 - q2 = 2 s.
         half_gap = np.sqrt(complex(self.decay**2 - self.stiffness))
         fast = -self.decay - half_gap
         slow = self.stiffness / fast
@@ -122,6 +127,7 @@ def whirl_of(scene: Scene) -> Whirl:
     mass = float(scene.bodies.mass[0])
     spring = scene.all(Spring)[0]
     anchor = single.anchor(spring)
+    # c = sum c_j, K = sum c_j W_j, and the right-hand side m g - i sum c_j W_j a_j.
     damping = sum(dashpot.damping for dashpot in scene.all(Dashpot))
     push = 0.0
     load = mass * _complex(single.gravity(scene))

@@ -1,8 +1,11 @@
 """Many equal spheres, smooth or rough, in a periodic box, between planes or in unbounded space:
 velocity Verlet with a neighbour list (kernels/gas.c).
 
-A run has the threads of its request, one if it says none: worker processes already share the cores.
-The environment variable REFDEM_THREADS asks for more. No bit of the result depends on it.
+    v += h/2 a,   r += h v,   v += h/2 a,   spins alike        (Swope et al. 1982)
+
+A run uses the number of threads of its request, 1 by default, because worker processes already
+share the cores. The environment variable REFDEM_THREADS sets a larger number. The result is the
+same to the last bit for any number of threads.
 """
 
 import os
@@ -37,37 +40,37 @@ STATE = {"position": 3, "velocity": 3, "omega": 3, "attitude": 4}
 MOVING = ("position", "velocity")
 """Quantities that the kernel also integrates for spheres that do not rotate."""
 FEWEST = 2.5
-"""Smallest edge of a box, in diameters: a body then meets one image of another at a time, and the
-list has a skin.
+"""Smallest edge of a box, in diameters. A body then touches at most one image of another at a time,
+and the neighbour list has a skin.
 """
 PACKED = 0.74048
 """Packing fraction of the closest packing of spheres, which limits the number of pairs within a
 diameter and a skin of half a diameter.
 """
 TOUCHING = 4
-"""Room for contacts per body with later bodies: 3 in the closest random packing."""
+"""Capacity for contacts of a body with bodies later in the list; random close packing has 3."""
 MOST_EVENTS = 100_000
-"""Largest number of contacts whose begin is reported; of a motion with more none is, so that the
-reported ones are all.
+"""Largest number of contact events that are reported. A motion with more of them reports none, so
+that a list is always complete.
 """
 
 
 NO_THREADS = 2
 """Status of the kernel if it cannot start its threads."""
 ASTRAY = 3
-"""Status of the kernel if a body flew so far that the motion must have diverged."""
+"""Status of the kernel if a body is so far away that the motion must have diverged."""
 THREADS = "REFDEM_THREADS"
 """Name of the environment variable."""
 MOST_THREADS = 64
-"""Threads of a gas, of which the kernel has one table each (MOST_THREADS in kernels/gas_team.h)."""
+"""Largest number of threads (MOST_THREADS in kernels/gas_team.h)."""
 
 
 class Gas(KernelSolver):
-    """Second order in energy: a contact that begins inside a step is integrated wrongly by a part
-    of it, with a random sign.
+    """Second order in energy: a contact that begins inside a step adds an error for the rest of
+    that step, whose sign is random.
 
-    With friction first order: a tangential spring that reaches its limit is shortened at the end of
-    the step.
+    First order with friction: a tangential spring that exceeds Coulomb's limit is shortened at the
+    end of the step.
     """
 
     claims = Method(
@@ -186,7 +189,7 @@ def _bounds_unsupported(scene: Scene) -> str | None:
 
 
 def _contact_unsupported(scene: Scene) -> str | None:
-    """None unless friction has no tangential spring, or two levers."""
+    """None if friction has a tangential spring and one lever, else the reason."""
     law = scene.all(Contact)[0]
     if law.has_two_levers:
         return "friction whose slip and torque have different levers"
@@ -205,7 +208,8 @@ def _fields(scene: Scene) -> dict[str, Any]:
     box_size = 0.0
     for box in scene.all(PeriodicBox):
         box_size = box.size
-    # Spheres that do not rub keep their spins; without spins there is nothing to keep.
+    # Frictionless spheres keep their spins, so that attitudes are integrated only if some sphere
+    # spins.
     turning = law.friction > 0 or bool(bodies.omega.any())
     of_spheres = {
         "bodies": len(bodies),
@@ -240,11 +244,12 @@ def _capacities(scene: Scene, box_size: float) -> dict[str, int]:
         volume = float(np.prod([box_size] * 3))
     else:
         volume = float(np.prod(np.maximum(np.ptp(bodies.position, axis=0), diameter)))
-    # The part of space that the spheres would fill at three times their density.
+    # Packing fraction at three times the initial density, 3 n (pi/6 d^3)/V.
     sphere = np.pi / 6 * diameter**3
     packing = min(PACKED, 0.05 + 3 * n * sphere / volume)
-    # Half the neighbours of a sphere: a ball of 1.5 diameters radius is 8 1.5^3 sphere volumes,
-    # filled with spheres to this part, and 20 more for fluctuations.
+    # Half of the neighbours of a sphere, since each pair is listed once. A ball with a radius of
+    # 1.5 diameters has the volume of 8 1.5^3 spheres and holds `packing` times as many. 20 more
+    # allow for fluctuations.
     later_neighbours = 20 + 0.5 * 8 * 1.5**3 * packing
     pairs = int(min(n * (n - 1) / 2, n * later_neighbours)) + n * planes
     contacts = TOUCHING * n + n * min(planes, 3)

@@ -1,4 +1,6 @@
-"""Rigid spheres with each other and with planes, from impact to impact (kernels/impacts.c)."""
+"""Rigid spheres that collide with each other and with planes, from impact to impact
+(kernels/impacts.c; Alder and Wainwright 1959).
+"""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,21 +22,23 @@ from refdem.solvers._scene_pattern import ANY, ONE, OPTIONAL, SOME, ScenePattern
 Array = NDArray[np.float64]
 FAMILY = "impacts"
 FEW = 8
-"""Spheres up to which every pair is looked at. Cells are faster from 4 on, 3 times at 16; ties of
-impacts that happen at one time are broken in another order there, though."""
+"""Largest number of spheres for which every pair is tested. A cell list is faster from 4 spheres
+on, and 3 times as fast at 16, but orders simultaneous impacts in another way.
+"""
 MOST_EVENTS = 100_000
-"""Most impacts that a trajectory lists; a motion with more of them lists none, so that a list is
-always complete."""
+"""Largest number of impacts that a trajectory lists. A motion with more of them lists none, so that
+a list is always complete.
+"""
 LONGEST = 100_000_000
-"""Impacts after which a run ends: they take minutes."""
+"""Number of impacts after which a run ends; they take minutes."""
 FEWEST_DIAMETERS = 5 * (1 + 2.0**-19)
-"""Largest diameters along a periodic box, at least: as many cells, with the kernel's margin."""
+"""Smallest edge of a periodic box, in largest diameters: 5 cells with the kernel's margin."""
 ROUNDED = 8 * 2.0**-53
-"""Part of a sum of radii by which spheres may overlap at the start: places are rounded."""
+"""Part of a sum of radii by which spheres may overlap at the start by rounding of positions."""
 
 
 class Impacts(KernelSolver):
-    """Straight lines, or parabolas, and impulses; nothing is approximated, whatever the number of
+    """Straight lines or parabolas between impulses, without approximation, for any number of
     spheres.
     """
 
@@ -58,7 +62,9 @@ class Impacts(KernelSolver):
     )
 
     def unsupported_values(self, problem: Motion) -> str | None:
-        """None for spheres that start apart and turn alike about all axes."""
+        """None for spheres with equal moments of inertia that do not overlap at the start, else the
+        reason.
+        """
         scene = problem.scene
         bodies = scene.bodies
         if np.any(bodies.inertia != bodies.inertia[:, :1]):
@@ -75,7 +81,7 @@ class Impacts(KernelSolver):
         return _cramped(scene) or _overlapping(scene) or _on_plane(scene)
 
     def prepare(self, request: Request) -> KernelCall:
-        """Bodies, planes, law and clock; the start is in its row."""
+        """Bodies, planes, law and clock; row 0 of the states is the start."""
         problem = request.problem
         bodies = problem.scene.bodies
         count = len(problem.times)
@@ -88,7 +94,7 @@ class Impacts(KernelSolver):
         workspace = np.empty(load(FAMILY).lib.refdem_impacts_room(len(bodies)))
         events = np.empty((MOST_EVENTS, 3))
         work = np.empty(count)
-        # Counted from the start: impacts are as exact whenever that is.
+        # Times are counted from the start, so that their rounding does not depend on its value.
         since_start = problem.times - problem.times[0]
         return KernelCall(
             function="refdem_impacts_run",
@@ -132,12 +138,13 @@ class Impacts(KernelSolver):
 
 
 def _struct(scene: Scene) -> Struct:
-    """Bodies, planes and law as the kernel has them."""
+    """Bodies, planes and law as the kernel's struct."""
     bodies = scene.bodies
     law = scene.all(Contact)[0]
     planes = [[*plane.point, *plane.normal] for plane in scene.all(Plane)]
     gravity = sum((np.array(field.g) for field in scene.all(UniformGravity)), np.zeros(3))
-    # What no impulse moves has infinite mass; a point, which has no surface, never turns.
+    # A fixed body has infinite mass and moment of inertia. A point has no surface on which friction
+    # acts, and gets an infinite moment of inertia.
     mass = np.where(bodies.fixed, np.inf, bodies.mass)
     moment = bodies.inertia[:, 0]
     never_turns = bodies.fixed | (moment == 0)
@@ -170,7 +177,7 @@ def _period(scene: Scene) -> float:
 
 
 def _cramped(scene: Scene) -> str | None:
-    """None if a periodic box has room for the cells in which spheres look for each other."""
+    """None if a periodic box is large enough for the cell list, else the reason."""
     period = _period(scene)
     if period == 0:
         return None
@@ -183,7 +190,7 @@ def _cramped(scene: Scene) -> str | None:
 
 
 def _overlapping(scene: Scene) -> str | None:
-    """None if no spheres overlap at the start and none reaches behind a plane."""
+    """None if no spheres overlap at the start and none reaches behind a plane, else the reason."""
     bodies = scene.bodies
     position = bodies.position
     period = _period(scene)
@@ -206,7 +213,9 @@ def _overlapping(scene: Scene) -> str | None:
 
 
 def _on_plane(scene: Scene) -> str | None:
-    """None if gravity presses no sphere on a plane that it touches without speed at the start."""
+    """None if no sphere rests on a plane under gravity at the start, else the reason: a sphere that
+    touches it has a velocity along the normal.
+    """
     bodies = scene.bodies
     gravity = sum((np.array(field.g) for field in scene.all(UniformGravity)), np.zeros(3))
     for plane in scene.all(Plane):

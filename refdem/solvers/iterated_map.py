@@ -1,5 +1,5 @@
-"""Iterated maps (kernels/maps.c): logistic map and logistic equation, billiards in a rectangle and
-in a stadium.
+"""Iterated maps (kernels/maps.c): the logistic map x -> eta x (1 - x), the flow of x' = eta x (1 -
+x) over unit times, and billiards in a rectangle and in a stadium.
 """
 
 from typing import Any
@@ -28,7 +28,7 @@ FUNCTIONS: dict[type[Map], str] = {
 
 
 class IteratedMap(KernelRun):
-    """Each iterate is computed from the one before, or from the start where a closed form
+    """Each iterate is computed from the previous one, or from the start where a closed form
     exists.
     """
 

@@ -1,5 +1,10 @@
 """Points on rods from fixed pivots, joined by linear springs to each other or to the world, in a
 plane, in angles (kernels/joined_rods.c).
+
+With r_i = pivot_i + l_i (sin theta_i, -cos theta_i) and the tangent t_i = (cos theta_i, sin
+theta_i)
+
+    m_i l_i theta_i'' = (m_i g + sum of the pulls of springs on i) . t_i.
 """
 
 import numpy as np
@@ -66,8 +71,8 @@ class JoinedRods(KernelSolver):
         return None
 
     def prepare(self, request: Request) -> KernelCall:
-        """Rods, springs and gravity; rows for turns [rad], their rates [rad/s], and the kernel's
-        own.
+        """Rods, springs and gravity; rows for the rotations [rad] since the start, their rates
+        [rad/s], and a variable of the kernel for each spring.
         """
         scene = request.problem.scene
         t = request.problem.times
@@ -150,7 +155,7 @@ def _tension(scene: Scene, position: Array, velocity: Array) -> Array:
             other = single.anchor(spring)
         branch = other - position[:, spring.a]
         distance = np.linalg.norm(branch, axis=1, keepdims=True)
-        # k (1 - s/|d|) d, which is k d without a length.
+        # The pull k (1 - s/|d|) d, with the natural length s; k d for s = 0, also where |d| = 0.
         strength = np.full_like(distance, spring.stiffness)
         if spring.length:
             strength -= spring.stiffness * spring.length / distance
@@ -159,6 +164,7 @@ def _tension(scene: Scene, position: Array, velocity: Array) -> Array:
             force[:, spring.b] -= strength * branch
     tension = np.empty((len(position), len(scene.all(Rod))))
     for index, rod in enumerate(scene.all(Rod)):
+        # T = m |v|^2/l + (m g + F) . e.
         direction = (position[:, rod.a] - single.anchor(rod)) / rod.length
         centripetal = np.sum(velocity[:, rod.a] ** 2, axis=1) / rod.length
         along = np.sum(force[:, rod.a] * direction, axis=1)

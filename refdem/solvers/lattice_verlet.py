@@ -1,8 +1,12 @@
 """A point on one spring along a line, by Verlet's method on a lattice of numbers, exactly
 reversible (kernels/lattice.c).
 
-Positions and velocities are whole multiples of two powers of two. Every update adds a rounded
-increment, which the way back subtracts again, bit by bit.
+Positions x and velocities v are whole multiples of two powers of two. With [] the rounding to such
+a multiple, a step is
+
+    v += [h/2 a(x)],   x += [h v],   v += [h/2 a(x)],   a = (weight - k |x|^n sgn x - c x^3)/m.
+
+A step with -h subtracts the same increments, bit by bit (Levesque and Verlet 1993).
 """
 
 from math import ceil, frexp, ldexp, log2, sqrt
@@ -24,18 +28,18 @@ from refdem.solvers._line import Line
 
 FAMILY = "lattice"
 POTENTIAL_MARGIN = 1.7
-"""Factor by which the potential at the lattice's ends exceeds the energy, so that a start and its
-return choose the same units.
+"""Factor by which the potential at the ends of the lattice exceeds the energy, so that a run and
+its reversed run choose the same units.
 """
 WIDEST = 64
 """Doublings of the initial size after which a motion counts as unbounded."""
 
 
 class LatticeVerlet(KernelSolver):
-    """Verlet's method in 53-bit whole numbers: a run back ends in the very bits of its start.
+    """Verlet's method in 53-bit integers: a reversed run ends at its start, bit by bit.
 
-    A start that is finer than the lattice is rounded to it first, by at most 2^-54 of the powers of
-    two above position and velocity.
+    An initial state that is not on the lattice is rounded to it, by at most 2^-54 of the powers of
+    two that bound position and velocity.
     """
 
     claims = Method(
@@ -123,10 +127,11 @@ def _reach(line: Line) -> tuple[float, float] | None:
     half_width = ldexp(1.0, frexp(abs(line.x0) or abs(line.v0) or 1.0)[1] - 2)
     for _ in range(WIDEST):
         lowest = min(potential(half_width * sixteenth / 16) for sixteenth in range(-16, 17))
-        # The barrier, and what the motion has of it, with room.
+        # barrier = V(ends) - V_min, needed = POTENTIAL_MARGIN (E - V_min).
         barrier = min(potential(half_width), potential(-half_width)) - lowest
         needed = POTENTIAL_MARGIN * (energy - lowest)
         if barrier >= needed > 0:
+            # m v^2/2 <= POTENTIAL_MARGIN (E - V_min).
             fastest = sqrt(2 * POTENTIAL_MARGIN * (energy - lowest) / line.mass)
             return half_width, ldexp(1.0, ceil(log2(fastest)))
         half_width *= 2

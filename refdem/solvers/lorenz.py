@@ -1,4 +1,9 @@
-"""Lorenz' three equations by Taylor series (kernels/lorenz.c)."""
+"""Lorenz' three equations by Taylor series (kernels/lorenz.c).
+
+    x' = sigma (y - x),   y' = x (rho - z) - y,   z' = x y - beta z
+
+(Lorenz, J. Atmos. Sci. 20 (1963) 130).
+"""
 
 import numpy as np
 
@@ -11,7 +16,7 @@ from refdem.solvers._kernel_solver import KernelCall, KernelRun, Struct, samples
 
 
 class Lorenz(KernelRun):
-    """Steps whose last terms are below round-off; samples are read off the series."""
+    """Taylor series whose last terms are below round-off; samples are evaluated from the series."""
 
     claims = Method(
         name="lorenz-taylor",
@@ -29,8 +34,8 @@ class Lorenz(KernelRun):
         return f"the map {problem.map.kind} is not the flow of Lorenz' equations"
 
     def prepare(self, request: Request) -> KernelCall:
-        """The numbers of the equations; rows for the requested iterates, of which the first is the
-        start.
+        """The parameters of the equations; rows for the requested iterates, of which the first is
+        the start.
         """
         problem = request.problem
         assert isinstance(problem, Iteration)

@@ -51,8 +51,8 @@ class MassProperties(Solver):
 
 
 def answer_of(piece: Piece) -> dict[str, float]:
-    """Mass, centre and inertia tensor of one solid by name, the tensor about the point asked for or
-    the centre of mass.
+    """Mass, centre and inertia tensor of one solid by name; the tensor is about the requested point
+    or else the centre of mass.
     """
     solid = of_piece(piece)
     if piece.about is None:

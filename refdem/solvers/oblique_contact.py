@@ -1,8 +1,13 @@
 """Oblique contact of two spheres with friction and a tangential spring in a plane, by Taylor series
 from event to event (kernels/oblique.c).
 
-The kernel integrates the relative motion: overlap d along the line of centres, transverse velocity
-u across it, the line's angle, and both spins.
+The kernel integrates the relative motion: the overlap d along the line of centres, the transverse
+velocity u, the angle of the line, and both spins w. With D = R_i + R_j - d, the normal force F = k
+d + c d' and the friction f on i,
+
+    d'' = -u^2/D - F/m,   u' = u d'/D - f/m,   angle' = u/D,   w' = l f/J.
+
+Here 1/m = 1/m_i + 1/m_j, and l is the lever of each sphere.
 """
 
 import numpy as np
@@ -21,20 +26,20 @@ from refdem.solvers._scene_pattern import ONE, TWO, ScenePattern
 Array = NDArray[np.float64]
 FAMILY = "oblique"
 ROUNDED = 4 * 2.0**-52
-"""Overlaps of so many times the distance are rounding."""
+"""Overlap, relative to the sum of radii, that counts as rounding."""
 ASKEW = 1e-15
 """Largest relative component off the plane or its normal: round-off of a scene that was
 rotated.
 """
 COLUMNS = 12
-"""Length of a row: d, d', u, angle of the line, 2 spins, 2 angles turned, work, contacts, force,
-dissipated work.
+"""Length of a row: d, d', u, angle of the line, 2 spins, 2 angles of rotation, work, contacts,
+force, dissipated work.
 """
 
 
 class ObliqueContact(KernelSolver):
-    """Stick, slip, release and a dashpot that would pull are zeros of series, located to
-    round-off.
+    """Changes between stick and slip, release, and the zero of the normal force are zeros of
+    series, located to round-off.
     """
 
     claims = Method(
@@ -136,8 +141,8 @@ def frame(scene: Scene) -> Array:
     along = line / np.linalg.norm(line)
     across = relative - (relative @ along) * along
     if np.linalg.norm(across) <= ASKEW * np.linalg.norm(relative):
-        # Head-on: the spheres will move in the plane normal to their spins; without spins any
-        # plane through the line of centres will do.
+        # Head-on: the motion stays in the plane normal to the spins. Without spins any plane
+        # through the line of centres can be chosen.
         spin = bodies.omega[np.argmax(np.linalg.norm(bodies.omega, axis=1))]
         across = np.cross(spin, along)
         if not np.any(across):
@@ -157,7 +162,7 @@ def initial_state(scene: Scene, axes: Array) -> Array:
     overlap = contact_distance - float(np.linalg.norm(bodies.position[1] - bodies.position[0]))
     if abs(overlap) <= ROUNDED * contact_distance:
         overlap = 0.0
-    # The overlap shrinks as the second sphere moves along the first axis.
+    # d' = -v . along, with the velocity v of the second sphere relative to the first.
     rate = -(relative @ axes[0])
     transverse = relative @ axes[1]
     spins = bodies.omega @ axes[2]
@@ -209,6 +214,7 @@ def _trajectory(
     # The branch vector is (R1 + R2 - d) along; its time derivative u across - d' along.
     branch_change = (bodies.radius.sum() - overlap)[:, None] * along - line
     relative = transverse[:, None] * across - rate[:, None] * along
+    # r_1 = r_c - m2/(m1 + m2) b and r_2 = r_c + m1/(m1 + m2) b with the branch vector b.
     share = np.array([-bodies.mass[1], bodies.mass[0]])[:, None] / total_mass
     centre_velocity = bodies.mass @ bodies.velocity / total_mass
     position = (

@@ -1,5 +1,10 @@
 """Points on rods, in uniform gravity and on springs, by RATTLE: velocity Verlet with constraints on
-positions and velocities (kernels/rattle.c).
+positions and velocities (kernels/rattle.c; Andersen 1983).
+
+With the constraint Jacobian G and multipliers lambda and mu a step h is
+
+    v += h/2 a,   x += h v,   x -= M^-1 G^T lambda and v -= M^-1 G^T lambda/h so that |d_r| = l_r,
+    v += h/2 a,   v -= M^-1 G^T mu so that G v = 0.
 """
 
 import numpy as np
@@ -27,8 +32,8 @@ Array = NDArray[np.float64]
 
 
 class Rattle(KernelSolver):
-    """Rods hold in position and in velocity; the reported rod force is that of the sampled
-    state.
+    """Rods constrain positions and velocities; the reported rod force is the exact one of the
+    sampled state.
     """
 
     claims = Method(
@@ -64,7 +69,7 @@ class Rattle(KernelSolver):
         n = len(scene.bodies)
         rods = scene.all(Rod)
         springs = scene.all(Spring)
-        # A fixed body is one of infinite mass.
+        # A fixed body has infinite mass.
         mass = np.where(scene.bodies.fixed, np.inf, scene.bodies.mass)
         length = np.array([rod.length for rod in rods])
         law = np.array([(s.stiffness, s.length, s.exponent) for s in springs]).reshape(-1, 3)

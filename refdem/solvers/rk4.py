@@ -1,5 +1,5 @@
 """The classical Runge-Kutta method of fourth order (Kutta 1901) for points and spheres, with steps
-cut where a contact begins or ends.
+that are divided where a contact begins or ends.
 """
 
 from refdem.core.engine import Method
@@ -37,11 +37,11 @@ class RungeKutta(_particles.ParticleSolver):
         return _particles.unsupported_values(problem) or _sliding.unsupported(problem.scene)
 
     def origin(self, scene: Scene) -> Array:
-        """The origin of space: positions stay as they are given."""
+        """The origin of space, so that positions are not shifted."""
         return _particles.ORIGIN
 
     def stride(self, request: Request) -> int:
-        """The number of steps per sample that the request asks for."""
+        """The number of steps per sample of the request."""
         return request.stride
 
 

@@ -7,7 +7,10 @@ from refdem.solvers._free_bodies import SteppedFreeBodies
 
 
 class Rk4FreeBody(SteppedFreeBodies):
-    """Order 4, neither symplectic nor reversible: a method to be measured against others."""
+    """Order 4, neither symplectic nor reversible: a method to compare with others.
+
+    q' = q w/2,   L' = L x w with w = J^-1 L, in body axes.
+    """
 
     claims = Method(
         name="rk4-free-body",

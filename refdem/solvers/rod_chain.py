@@ -1,8 +1,13 @@
 """A chain of points on rods, one below the other, in a plane, from a fixed pivot or one that moves
 as a function of time (kernels/rod_chain.c).
 
-Angles theta_i are measured from (0, -1), so that rod i is l_i (sin theta_i, -cos theta_i). The
-kernel integrates the turns since the start, theta_i - theta_i(0), by Taylor series.
+Angles theta_i are measured from (0, -1), so that rod i is l_i (sin theta_i, -cos theta_i). With the
+loads mu_i = m_i + ... + m_N and G = g - pivot'' (Landau and Lifshitz, Mechanics, section 5)
+
+    sum_j A_ij theta_j'' = mu_i l_i G . (cos theta_i, sin theta_i) - sum_j B_ij theta_j'^2,
+    A_ij, B_ij = mu_max(i,j) l_i l_j times the cosine and the sine of theta_i - theta_j.
+
+The kernel integrates the rotations since the start, theta_i - theta_i(0), by Taylor series.
 """
 
 from typing import Any, NamedTuple
@@ -56,8 +61,8 @@ class RodChain(KernelSolver):
         return _not_a_chain(problem.scene) or _misfit(problem)
 
     def prepare(self, request: Request) -> KernelCall:
-        """Rods, initial directions, masses and drive; rows for turns [rad], their rates [rad/s] and
-        the work of the pivot.
+        """Rods, initial directions, masses and drive; rows for rotations [rad] since the start,
+        their rates [rad/s] and the work of the pivot.
         """
         scene = request.problem.scene
         t = request.problem.times
@@ -117,7 +122,7 @@ class Pivot(NamedTuple):
 
 
 def _chain(scene: Scene) -> Chain:
-    """The chain as far as its rods reach; bobs without a rod to it are left out."""
+    """The chain of rods from the pivot; bobs that no rod connects to it are left out."""
     anchors = scene.all(MovingAnchor)
     if anchors:
         end = anchors[0].a
@@ -190,7 +195,7 @@ def _pivot(scene: Scene, t: Array) -> Pivot:
     """The pivot's motion at times t (T,); at rest where the first rod hangs from the world."""
     for anchor in scene.all(MovingAnchor):
         position = anchor.place(t)
-        # a = -w^2 x about the middle of the motion.
+        # a = -w^2 (r - middle).
         acceleration = -(anchor.frequency**2) * (position - np.array(anchor.anchor_b))
         return Pivot(position, anchor.velocity(t), acceleration)
     first_rod = next(rod for rod in scene.all(Rod) if rod.b < 0)
@@ -237,9 +242,13 @@ def _positions_and_velocities(
 def _tension(scene: Scene, pivot: Pivot, position: Array, velocity: Array) -> Array:
     """Tension (T, rods) [N] of the rods in the scene's order.
 
-    A rod of length l in direction e keeps its length if e.(a1 - a2) = -|v1 - v2|^2/l. With
-    accelerations g - M^-1 G^T T of the bobs and that of the pivot given, this is a linear system G
-    M^-1 G^T T = b for the tensions T, where b = |v1 - v2|^2/l + e.g (bobs) - e.a (pivot).
+    A rod of length l with the unit vector e from end 2 to end 1 keeps its length if e . (a1 - a2) =
+    -|v1 - v2|^2/l. The bobs have the accelerations g - M^-1 G^T T, where row r of G is e at end 1
+    of rod r and -e at end 2; the acceleration a_p of the pivot is given. The tensions T then solve
+
+        G M^-1 G^T T = b,   b = |v1 - v2|^2/l + G g + (e . a_p at end 1, -e . a_p at end 2),
+
+    with G over bobs only. The terms of g cancel for a rod between two bobs.
     """
     rods = scene.all(Rod)
     chain = _chain(scene)
@@ -263,7 +272,7 @@ def _tension(scene: Scene, pivot: Pivot, position: Array, velocity: Array) -> Ar
         relative = at(velocity, rod.a, pivot.velocity) - at(velocity, rod.b, pivot.velocity)
         direction = rod_vector / rod.length
         right_hand_side[:, index] = np.sum(relative**2, axis=1) / rod.length
-        # The ends that the force moves: bobs, not the pivot.
+        # The ends that can move under the tension are bobs; the pivot is prescribed.
         sides = {rod.a: 1.0, rod.b: -1.0}
         ends = {end: side for end, side in sides.items() if end >= 0 and end != chain.pivot}
         for end, side in ends.items():
@@ -280,8 +289,8 @@ def _tension(scene: Scene, pivot: Pivot, position: Array, velocity: Array) -> Ar
 def _energy_lost(scene: Scene, pivot_body: int, pivot: Pivot, work: Array) -> Array:
     """Energy (T,) [J] that the scene has lost through the moving anchor since the start.
 
-    It is minus the work done by the anchor on the chain, and on the pivot's own mass: the change of
-    its energy.
+    It is minus the work of the anchor on the chain, W(t) - W(0), minus the change of the energy of
+    the pivot's own mass, m (v^2/2 - g . r).
     """
     # Energy of the pivot per mass [J/kg].
     kinetic = 0.5 * np.sum(pivot.velocity**2, axis=1)

@@ -1,5 +1,7 @@
-"""A point on a rod in uniform gravity, in three dimensions, in Cartesian coordinates with the rod's
-force (kernels/rod_taylor.c).
+"""A point on a rod in uniform gravity, in three dimensions, in Cartesian coordinates with the force
+of the rod (kernels/rod_taylor.c).
+
+    r' = v,   v' = g - lambda r,   lambda = (v . v + g . r)/l^2,   tension = m l lambda.
 """
 
 from math import inf, sqrt
@@ -64,7 +66,7 @@ class RodTaylor(KernelSolver):
         rod = scene.all(Rod)[0]
         bodies = scene.bodies
         unit = _time_unit(scene)
-        # Accelerations are as the square of the unit, velocities as the unit.
+        # In time units of u seconds accelerations are multiplied by u^2 and velocities by u.
         gravity = single.gravity(scene) * unit**2
         velocity = bodies.velocity[0] * unit
         constants = (float(bodies.mass[0]), rod.length, gravity, single.anchor(rod))
@@ -108,7 +110,7 @@ def swing_time(length: float, gravity: Array) -> float:
 
 
 def turn_time(length: float, velocity: Array) -> float:
-    """l/|v| [s], the time in which the point would fly a rod's length; infinite at rest."""
+    """l/|v| [s], the time in which the point moves by the length of the rod; infinite at rest."""
     speed = float(np.linalg.norm(velocity))
     if speed > 0:
         return length / speed

@@ -1,5 +1,5 @@
-"""Rotation algebra, degrees of freedom and bifurcations by the functions of `mechanics`, and points
-of sections by a motion: the answers to questions without time.
+"""Answers to questions without time: rotation algebra, degrees of freedom and bifurcations by the
+functions of `mechanics`, and points of Poincare sections by a motion.
 """
 
 import math
@@ -41,7 +41,7 @@ def plane(angle: Array) -> Array:
 
 
 def mirror(angle: Array) -> Array:
-    """The reflection matrix (2, 2) at the line that makes this angle with x."""
+    """The reflection matrix (2, 2) about the line at this angle from x: R(2 angle) diag(1, -1)."""
     return plane(2 * angle) * (1, -1)
 
 
@@ -67,8 +67,9 @@ def turn_angle(m: Array) -> Array:
 
 
 def complex_product(p: Array, q: Array) -> Array:
-    """The product of quaternions from their complex matrices, whose first column is (w - i z, y - i
-    x).
+    """The product of quaternions by the product of their complex matrices.
+
+    The first column of the matrix of (w, x, y, z) is (w - i z, y - i x).
     """
     (first, _), (second, _) = rotation.complex_matrix(p) @ rotation.complex_matrix(q)
     return np.array([first.real, -second.imag, second.real, -first.imag])
@@ -91,7 +92,7 @@ def balanced_drives(amplitude: Array, spring: Array, force: Array) -> Array:
 
 
 def balanced_forces(amplitude: Array, spring: Array, drives: Array) -> list[float]:
-    """The force that each of the drives (2,) needs for an amplitude (1,)."""
+    """The forces that give an amplitude (1,) at each of the drives (2,) [rad/s]."""
     alpha, beta, delta = spring
     return [response.balanced_force(amplitude[0], drive, alpha, beta, delta) for drive in drives]
 

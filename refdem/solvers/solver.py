@@ -13,8 +13,9 @@ from refdem.core.trajectory import Cost, Trajectory
 class Solver(ABC):
     """One method. A file in solvers/ with an instance named METHOD is discovered automatically.
 
-    `kernels` names every C family that the method calls: their digests are part of a run's key.
-    `answers` is the kind of problem that it solves; `unsupported` and `run` get no other.
+    `kernels` names every C family that the method calls; their digests are part of a run's key.
+    `answers` is the kind of problem that it solves, the only kind passed to `unsupported` and
+    `run`.
     """
 
     claims: Method
@@ -23,8 +24,8 @@ class Solver(ABC):
 
     @abstractmethod
     def unsupported(self, problem: Any) -> str | None:
-        """None if the method can solve the problem, else the reason; judged by the scene's content,
-        never by a case's name.
+        """None if the method can solve the problem, else the reason. It depends on the content of
+        the scene, never on the name of a case.
         """
 
     @abstractmethod

@@ -1,5 +1,10 @@
 """A rigid body on a ball joint fixed to the world, in uniform gravity, by Taylor series in attitude
 and omega (kernels/spinning_top.c).
+
+In body axes, with the principal moments J about the joint and the arm from it to the centre of mass
+(Landau and Lifshitz, Mechanics, section 36):
+
+    q' = q w/2,   J w' = (J w) x w + arm x R(q)^T m g.
 """
 
 import numpy as np
@@ -92,6 +97,7 @@ class SpinningTop(KernelSolver):
         (states,) = call.outputs
         attitude = states[:, :4] / np.linalg.norm(states[:, :4], axis=1, keepdims=True)
         omega = rotated(attitude, states[:, 4:])
+        # r = joint + R arm, v = omega x R arm.
         arm = rotated(attitude, _arm(scene))
         columns = {
             "position": arm + single.anchor(scene.all(BallJoint)[0]),
@@ -108,8 +114,8 @@ def _arm(scene: Scene) -> Array:
 
 
 def _about_joint(scene: Scene) -> Array:
-    """Principal moments of inertia (3,) about the joint: larger by m l^2 about the two axes
-    perpendicular to the arm.
+    """Principal moments of inertia (3,) about the joint, by the parallel axis theorem: J_k + m (l^2
+    - l_k^2), with the arm l along a principal axis.
     """
     arm = np.array(scene.all(BallJoint)[0].anchor_a)
     inertia: Array = scene.bodies.inertia[0] + scene.bodies.mass[0] * (arm @ arm - arm**2)

@@ -1,7 +1,8 @@
 """A point on a spring and a slider, at rest or on a moving belt, with Coulomb's or Stribeck's law,
 driven or not (kernels/stick_slip.c).
 
-m x'' = -k x + drive + weight - N mu(|u|) sgn(u), with the slip velocity u = x' - belt.
+m x'' = -k x + f cos(w t + phase) + weight - N mu(|u|) Sgn(u), with the slip velocity u = x' - belt.
+Where u = 0, Sgn(0) = [-1, 1] balances the other forces up to N mu(0).
 """
 
 from math import sqrt
@@ -24,7 +25,7 @@ from refdem.solvers._scene_pattern import ANY, ONE, OPTIONAL, ScenePattern
 Array = NDArray[np.float64]
 FAMILY = "stick_slip"
 MOST_EVENTS = 100_000
-"""Rows of the table of events: thousands of periods of the cases, each with two of them."""
+"""Rows of the table of events, enough for thousands of periods with a few events each."""
 KINDS = {1: "stick", 2: "slip"}
 """Kinds of events by their numbers in the kernel."""
 ASKEW = 1e-15
@@ -87,7 +88,9 @@ class StickSlip(KernelSolver):
         )
 
     def finish(self, request: Request, call: KernelCall, status: int) -> Trajectory:
-        """Position, velocity, the work done against friction and drive, and the events."""
+        """Position, velocity, the work done against friction and drive, and the events stick and
+        slip.
+        """
         scene = request.problem.scene
         t = request.problem.times
         unit = law_time_unit(scene)
@@ -122,7 +125,7 @@ def belt_law(scene: Scene, unit: float = 1.0) -> Struct:
     """The scene as the kernel's struct, with positions from the spring's anchor and times in `unit`
     [s].
 
-    Dividing masses by unit^2 keeps the numbers of forces and work.
+    A mass divided by unit^2 leaves the values of forces and work unchanged.
     """
     slider = scene.all(Slider)[0]
     spring = scene.all(Spring)[0]

@@ -4,7 +4,11 @@
 r is the free length of string on the pendulum's side, theta its angle from the vertical, R the
 wheel's radius. With unit vectors `along` the free string and `across` it, the pendulum is at centre
 + R across + r along, with velocity u along + r theta' across, where u = r' - R theta' is the speed
-of the string.
+of the string. With the masses m of the pendulum and M of the counterweight and the wheel's moment
+of inertia J (Lagrange's equations)
+
+    (M + m + J/R^2) u' = m r theta'^2 - M g + m g cos(theta),
+    r theta'' = -(2 u theta' + R theta'^2 + g sin(theta)).
 """
 
 import numpy as np
@@ -26,7 +30,7 @@ FITS = 1e-9
 
 
 class StringWheel(KernelSolver):
-    """r and theta by Taylor series; the counterweight moves by as much as the string does."""
+    """r and theta by Taylor series; the counterweight moves by the same length as the string."""
 
     claims = Method(
         name="string-wheel",
@@ -67,9 +71,10 @@ class StringWheel(KernelSolver):
             return _drawn_onto_wheel(t[status - 1])
         r, _, u, rate = call.outputs[0].T
         if rate.any():
-            return None  # the pendulum swings: at the wheel its rate would diverge
-        # A pendulum that hangs straight down may go past the wheel and come back between two
-        # samples. Its length is a parabola then, which the cubics follow exactly.
+            # The pendulum swings: its rate would diverge at the wheel, where the kernel stops.
+            return None
+        # A pendulum that hangs straight down may pass the wheel and return between two samples. Its
+        # length is then a parabola in time, which the cubics reproduce exactly.
         past = np.flatnonzero(lowest_between(t, r, u) <= 0.0)
         if past.size:
             return _drawn_onto_wheel(t[past[0] + 1])
@@ -120,7 +125,8 @@ def _frame(scene: Scene) -> tuple[StringOverWheel, Array, Array]:
     gravity = single.gravity(scene)
     down = gravity / np.linalg.norm(gravity)
     sideways = np.array([-down[1], down[0], 0.0])
-    # The pendulum is on the other side than the counterweight; without a radius sides are equal.
+    # The pendulum is on the side opposite to the counterweight. Without a radius there are no
+    # sides.
     side = (scene.bodies.position[string.b] - np.array(string.centre)) @ sideways
     if string.radius > 0 and side > 0:
         sideways = -sideways
@@ -139,10 +145,11 @@ def _start(scene: Scene, string: StringOverWheel, down: Array, sideways: Array) 
     y = arm @ down
     radius = string.radius
     r = np.sqrt(max(x * x + y * y - radius**2, 0.0))
-    # The argument of (y + i x)(r - i R) = (y r + x R) + i (x r - y R).
+    # theta is the argument of (y + i x)(r - i R) = (y r + x R) + i (x r - y R).
     theta = np.arctan2(x * r - y * radius, y * r + x * radius)
     along = np.sin(theta) * sideways + np.cos(theta) * down
     across = np.cos(theta) * sideways - np.sin(theta) * down
+    # v = u along + r theta' across.
     if r > 0:
         rate = velocity @ across / r
     else:
@@ -162,13 +169,13 @@ def _misfit(scene: Scene) -> str | None:
     speed = np.linalg.norm(scene.bodies.velocity, axis=1).max()
     if not r > 0:
         return "the pendulum starts on the wheel"
-    # The counterweight hangs a radius to the other side of the axis.
+    # The counterweight hangs at -R along `sideways`.
     if (
         abs(arm @ sideways + string.radius) > FITS * extent
         or abs(velocity @ sideways) > FITS * speed
     ):
         return "the mass does not hang straight down from the wheel"
-    # The string is inextensible: what the pendulum draws, u, the counterweight rises.
+    # The string is inextensible: the counterweight rises at the speed u of the string.
     if abs(velocity @ down + u) > FITS * speed:
         return "the string starts with a speed that its ends do not share"
     return None
@@ -185,7 +192,7 @@ def _positions_and_velocities(
     velocity = np.empty((len(states), 2, 3))
     position[:, string.a] = np.array(string.centre) + string.radius * across + r * along
     velocity[:, string.a] = u * along + r * rate * across
-    # Length drawn over the wheel: the growth of the free string, less what the turn unwound.
+    # Length drawn over the wheel: the integral of u, (r - r0) - R (theta - theta0).
     drawn = (r - r[0]) - string.radius * (theta - theta[0])
     position[:, string.b] = scene.bodies.position[string.b] - drawn * down
     velocity[:, string.b] = -u * down

@@ -1,5 +1,8 @@
 """A point on a line under polynomial and periodic forces, by Taylor series to round-off
 (kernels/taylor_oscillator.c).
+
+    m x'' = -(k x + q x^2 + c x^3) - (d + e (x + offset)^2) x' + weight + sum f_i cos(w_i t +
+    phase_i).
 """
 
 from refdem.core.engine import Method

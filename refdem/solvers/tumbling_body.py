@@ -1,5 +1,11 @@
 """A convex body that falls on a plane, with linear contact at its corners, from event to event
 (kernels/tumbling_body.c).
+
+In body axes, with the rotation matrix R of q, omega w and velocity V = R^T v:
+
+    q' = q w/2,   J w' = (J w) x w + sum a x F,   V' = V x w + R^T g + sum F/m,   r' = R V.
+
+A corner a that presses has F = N n - mu N s/|s|, N = k d + c d', with its overlap d and slip s.
 """
 
 from typing import Any
@@ -27,16 +33,17 @@ from refdem.solvers._scene_pattern import ANY, ONE, ScenePattern
 
 FAMILY = "tumbling_body"
 MOST_CORNERS = 32
-"""Corners of a body, as many as the kernel has tables for (kernels/tumbling_body.c)."""
+"""Largest number of corners of a body, the size of the kernel's tables."""
 MOST_EVENTS = 4096
-"""Rows of the table of events, far beyond the impacts of a body that comes to rest on a slope."""
+"""Rows of the table of events, many more than the impacts of a body that comes to rest on a slope.
+"""
 CHANNELS = ("contacts", "overlap", "contact_force")
 KINDS = {0: "contact", 1: "release"}
-"""Kind of an event by the corner's mode before it: 0 off the plane, 1 pressing."""
+"""Kind of an event by the mode of the corner before it: 0 off the plane, 1 pressing."""
 
 
 class TumblingBody(KernelSolver):
-    """Contact and release of every corner are located to round-off; no force is smoothed."""
+    """Contact and release of every corner are located to round-off; forces are not regularised."""
 
     claims = Method(
         name="tumbling-body",
@@ -78,8 +85,8 @@ class TumblingBody(KernelSolver):
     def _never_held(self, problem: Motion) -> str | None:
         """None if no pressing corner comes to a stop, else the reason.
 
-        Only a trial run shows that. Without a tangential spring the law does not determine the
-        static friction at such a corner.
+        A trial run detects this. Without a tangential spring the law does not determine the static
+        friction at such a corner.
         """
         if not problem.scene.all(Contact)[0].friction > 0:
             return None
@@ -103,7 +110,7 @@ class TumblingBody(KernelSolver):
                 "tumbling-body: a corner that presses comes to a stop; expected a tangential"
                 " spring, or less friction"
             )
-        # A row: attitude, omega and velocity in body axes, position, work.
+        # A row: attitude (4), omega (3) and velocity (3) in body axes, position (3), work (1).
         event_rows, channel_rows, states = call.outputs
         attitude = states[:, :4] / np.linalg.norm(states[:, :4], axis=1, keepdims=True)
         columns = {

@@ -1,11 +1,12 @@
-"""Velocity Verlet for points in smooth fields together with its equations of first variation.
+"""Velocity Verlet for points in smooth fields, together with its equations of first variation.
 
-With the force F(r, s) of numbers s of the scene, and R = dr/ds, V = dv/ds, a step of h is
+With the force F(r, s), parameters s of the scene, and R = dr/ds, V = dv/ds, a step of h is
 
     v' = v + h/2 F(r)/m,    r+ = r + h v',    v+ = v' + h/2 F(r+)/m        (Swope et al. 1982),
     V' = V + h/2 A(r, R),   R+ = R + h V',    V+ = V' + h/2 A(r+, R+),
 
-where A = d(F/m)/ds along R. These are the derivatives of the steps themselves, to the last digit.
+where A(r, R) = d(F(r, s)/m)/ds = (1/m) (dF/dr) R + the partial derivative of F/m by s. These are
+the exact derivatives of the discrete steps, up to rounding. K is the number of parameters.
 """
 
 from dataclasses import dataclass
@@ -27,15 +28,15 @@ from refdem.solvers._scene_pattern import ANY, ScenePattern, SceneSolver
 Array = NDArray[np.float64]
 
 STATES = 13
-"""Numbers of the state of a body: position, velocity, attitude, omega."""
+"""Components of the state of a body: position (3), velocity (3), attitude (4), omega (3)."""
 
 
 @dataclass(frozen=True)
 class Acting:
-    """The elements of a scene, each with the slopes of its numbers by those that are asked for.
+    """The elements of a scene, with the derivatives of their fields by K parameters.
 
-    `mass` (N,) [kg] has the slopes `mass_slope` (N, K); `slopes` are those of each element by the
-    name of its field, (K,) of a number and (K, 3) of a vector.
+    `mass` (N,) [kg] has the derivatives `mass_slope` (N, K). `slopes` has those of each element by
+    the name of the field: (K,) for a number and (K, 3) for a vector.
     """
 
     elements: tuple[Any, ...]
@@ -44,8 +45,8 @@ class Acting:
     mass_slope: Array
 
     def acceleration(self, r: Array, dr: Array) -> tuple[Array, Array]:
-        """F/m (N, 3) [m/s^2] at the places r (N, 3), and its slopes (N, K, 3) along those of the
-        places, dr.
+        """F/m (N, 3) [m/s^2] at positions r (N, 3) with derivatives dr (N, K, 3), and its
+        derivatives A (N, K, 3).
         """
         a = np.zeros_like(r)
         da = np.zeros_like(dr)
@@ -62,7 +63,9 @@ class Acting:
     def _pull(
         self, spring: Spring, slopes: dict[str, Array], r: Array, dr: Array, a: Array, da: Array
     ) -> None:
-        """Adds what a spring does: F = -f d, with the vector d between its ends."""
+        """Adds the force of a spring, F = -f d on its first end, with the vector d from its second
+        end to the first.
+        """
         if spring.b >= 0:
             d = r[spring.a] - r[spring.b]
             dd = dr[spring.a] - dr[spring.b]
@@ -71,14 +74,16 @@ class Acting:
             dd = dr[spring.a] - slopes["anchor_b"]
         f, df = spring_factor(spring, slopes, d, dd)
         force = -f * d
-        # d(f d) = df d + f dd.
+        # dF = -(df d + f dd).
         force_slope = -np.outer(df, d) - f * dd
         self._push(spring.a, force, force_slope, a, da)
         if spring.b >= 0:
             self._push(spring.b, -force, -force_slope, a, da)
 
     def _push(self, body: int, force: Array, force_slope: Array, a: Array, da: Array) -> None:
-        """Adds F/m; d(F/m) = (dF - (F/m) dm)/m."""
+        """Adds F/m to the acceleration of a body, and d(F/m) = (dF - (F/m) dm)/m to its
+        derivatives.
+        """
         pushed = force / self.mass[body]
         a[body] += pushed
         da[body] += (force_slope - np.outer(self.mass_slope[body], pushed)) / self.mass[body]
@@ -100,8 +105,9 @@ def _attract(
 def spring_factor(
     spring: Spring, slopes: dict[str, Array], d: Array, dd: Array
 ) -> tuple[float, Array]:
-    """The factor f of F = -f d of a spring with F = -(k s + c s^3) d/|d|, s = |d| - l, and its
-    slopes (K,) along dd (K, 3).
+    """The factor f of the spring force F = -f d, and its derivatives (K,) for those dd (K, 3) of d.
+
+    F = -(k s + c s^3) d/|d| with the stretch s = |d| - l, so that f = (k s + c s^3)/|d|.
     """
     k = spring.stiffness
     c = spring.cubic
@@ -111,21 +117,25 @@ def spring_factor(
     dl = slopes["length"]
     square = float(d @ d)
     if not length and not np.any(dl):
-        # f = k + c |d|^2, also where the ends meet.
+        # l = 0: f = k + c |d|^2, also at d = 0, and df = dk + dc |d|^2 + 2 c d . dd.
         return k + c * square, dk + dc * square + 2.0 * c * (dd @ d)
     distance = float(np.sqrt(square))
     stretch = distance - length
     pull = k * stretch + c * stretch**3
+    # d|d| = d . dd/|d|, ds = d|d| - dl, dp = dk s + dc s^3 + (k + 3 c s^2) ds with p = k s + c s^3.
     distance_slope = dd @ d / distance
     stretch_slope = distance_slope - dl
     pull_slope = dk * stretch + dc * stretch**3 + (k + 3.0 * c * stretch**2) * stretch_slope
-    # f = pull/|d|.
+    # f = p/|d|, df = (dp - f d|d|)/|d|.
     f = pull / distance
     return f, (pull_slope - f * distance_slope) / distance
 
 
 def acting(scene: Scene, asked: tuple[str, ...]) -> Acting:
-    """The elements and masses of a scene, and their slopes by the numbers asked for."""
+    """The elements and masses of a scene, with their derivatives by the requested parameters.
+
+    The derivative of a parameter by itself is 1, and 0 by any other.
+    """
     count = len(asked)
     mass_slope = np.zeros((len(scene.bodies), count))
     slopes = []
@@ -145,7 +155,7 @@ def acting(scene: Scene, asked: tuple[str, ...]) -> Acting:
 
 
 def started(scene: Scene, asked: tuple[str, ...]) -> tuple[Array, Array]:
-    """The slopes (N, K, 3) of places and of velocities at the start by the numbers asked for."""
+    """Derivatives (N, K, 3) of initial positions and velocities by the requested parameters."""
     slopes = {
         name: np.zeros((len(scene.bodies), len(asked), 3)) for name in ("position", "velocity")
     }
@@ -157,7 +167,9 @@ def started(scene: Scene, asked: tuple[str, ...]) -> tuple[Array, Array]:
 
 
 class VariationalVerlet(SceneSolver):
-    """Points on springs in gravity or a central field, with derivatives by any number of them."""
+    """Points on springs in gravity or a central field, with derivatives by any number of
+    parameters.
+    """
 
     claims = Method(
         name="variational-verlet",
@@ -177,14 +189,16 @@ class VariationalVerlet(SceneSolver):
     )
 
     def unsupported_values(self, problem: Motion) -> str | None:
-        """None for springs that are linear or have a cube beside it, else the reason."""
+        """None for springs that are linear or have a cubic term as well, else the reason."""
         for spring in problem.scene.all(Spring):
             if spring.exponent != 1 or spring.quadratic:
                 return "a spring with a power of the stretch other than 1 and 3"
         return None
 
     def run(self, request: Request) -> tuple[Trajectory, Cost]:
-        """Fixed steps; states and slopes after every `stride` of them."""
+        """The trajectory by fixed steps, with states and derivatives after every `stride` of
+        them.
+        """
         scene = request.problem.scene
         asked = request.sensitivities
         begun = perf_counter()
@@ -198,6 +212,7 @@ class VariationalVerlet(SceneSolver):
         a, da = world.acceleration(r, dr)
         for _ in range(len(request.problem.times) - 1):
             for _ in range(request.stride):
+                # v' = v + h/2 F(r)/m, r+ = r + h v', v+ = v' + h/2 F(r+)/m, and alike for R and V.
                 v = v + h / 2 * a
                 dv = dv + h / 2 * da
                 r = r + h * v
@@ -219,12 +234,14 @@ class VariationalVerlet(SceneSolver):
 
 
 def told(dr: Array, dv: Array) -> Array:
-    """The slopes (N, K, 6) of places and velocities at a sample."""
+    """Derivatives (N, K, 6) of positions and velocities at a sample."""
     return np.concatenate([dr, dv], axis=-1)
 
 
 def _by_key(slopes: Array, asked: tuple[str, ...]) -> dict[str, Array]:
-    """The slopes (T, N, K, 6) as (T, N, 13) by key; a point does not turn."""
+    """Derivatives (T, N, K, 6) as arrays (T, N, 13) by parameter; those of attitude and omega are
+    0.
+    """
     derivatives = {}
     for column, key in enumerate(asked):
         whole = np.zeros((*slopes.shape[:2], STATES))

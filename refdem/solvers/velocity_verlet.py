@@ -1,5 +1,7 @@
-"""Velocity Verlet for points and spheres: kick, drift, kick (Swope et al. 1982), with steps cut
-where a contact begins or ends.
+"""Velocity Verlet for points and spheres: kick, drift, kick (Swope et al. 1982), with steps that
+are divided where a contact begins or ends.
+
+    v += h/2 F(r)/m,   r += h v,   v += h/2 F(r)/m.
 """
 
 from refdem.core.engine import Method
@@ -40,11 +42,11 @@ class VelocityVerlet(_particles.ParticleSolver):
         return _particles.unsupported_values(problem)
 
     def origin(self, scene: Scene) -> Array:
-        """The origin of space: positions stay as they are given."""
+        """The origin of space, so that positions are not shifted."""
         return _particles.ORIGIN
 
     def stride(self, request: Request) -> int:
-        """The number of steps per sample that the request asks for."""
+        """The number of steps per sample of the request."""
         return request.stride
 
 
