@@ -672,8 +672,8 @@ def _difference_of_step_choices(
 def _least_moved(
     subject: Subject, runs: Mapping[Variant, CompletedRun], level: float
 ) -> Trajectory:
-    """Of the runs from the start perturbed upwards and downwards the one that differs less from the
-    plain run, since the effect of a decision by rounding in one of them is not growth.
+    """The run from a start perturbed upwards or downwards that differs less from the plain run,
+    since the effect of a decision by rounding in one of them is not growth.
 
     If the engine refuses perturbed starts, it is the plain run.
     """
