@@ -491,7 +491,7 @@ class Passing(Colliding):
         return across - self.levers(distance)[1] * self.spin
 
     def growth(self, s: Sequence[Any]) -> Any:
-        """The rate of the normal force: dF/dt = k d' = -k v_e."""
+        """The rate dF/dt = k d' = -k v_e of the normal force."""
         return -self.k * self.geometry(s)[3]
 
     def law(self, phase: str) -> Value:

@@ -103,7 +103,8 @@ class ContactState:
     def growth(self) -> Any:
         """The rate dF/dt = k d' + c d'' of the normal force.
 
-        d' = v.n and d'' = a.n + v.n', with a.n = -F (1/m1 + 1/m2) and n' = -(v - (v.n) n)/|r|.
+        d' = v.n and d'' = a.n + v.n', with a.n = -F (1/m1 + 1/m2) and n' = -(v - (v.n) n)/|r|,
+        r = r1 - r2.
         """
         bodies = self.bodies
         normal_acceleration = -self.force * (1 / bodies.masses[0] + 1 / bodies.masses[1])
