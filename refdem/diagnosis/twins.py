@@ -496,8 +496,7 @@ class Beside:
     def _known(
         self, followed: list[tuple[str, float]], first: dict[tuple[str, float], float]
     ) -> Iterator[Twin]:
-        """Twins with faults of the catalogue, in the order of their distance in the first window.
-        """
+        """Twins with faults of the catalogue, ordered by their distance in the first window."""
         early = []
         for number, fault in enumerate(faults()):
             inert = set()
