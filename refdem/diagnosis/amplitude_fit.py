@@ -1,5 +1,7 @@
-"""The amplitude of a fault that a run shows: least squares over the states, on a window that grows
-with the run.
+"""The amplitude at which a fault explains a run, by least squares over the states, on windows of
+growing length.
+
+With the difference d(a) = twin(a) - run at the amplitude a, |d(a)|^2 is minimised.
 """
 
 from collections.abc import Callable
@@ -13,26 +15,25 @@ from refdem.core.trajectory import Trajectory
 
 Array = NDArray[np.float64]
 Difference = Callable[[float, int], Array | None]
-"""Twin less run (M,) at an amplitude over so many samples; None if such a twin cannot run."""
+"""Twin minus run (M,) at an amplitude, over a number of samples; None if the twin cannot run."""
 
 PROBE = 1e-4
-"""The amplitude whose effect gives the direction in which a fault moves a run."""
+"""The amplitude of the finite difference that gives the effect of a fault on a run."""
 ALIGNED = 0.9
-"""A fault whose effect and the run's defect have a smaller cosine is not followed further."""
+"""Least cosine of the angle between the effect of a fault and the defect of the run."""
 UNEXPLAINED = 0.3
-"""Part of the defect of a window. A fault that leaves more than this part unexplained is not in the
-code."""
+"""Part of the defect of a window. A fault that leaves a larger part unexplained is rejected."""
 ROUNDS = 6
 """Rounds of the secant method on each window."""
 SETTLED = 1e-13
-"""A change of the amplitude, relative to it, that no longer matters."""
+"""Relative change of the amplitude at which the iteration ends."""
 LARGEST = 1e3
-"""Largest amplitude, in units of the fault of the catalogue: beyond it the fault is another one."""
+"""Largest amplitude, in units of the fault of the catalogue; larger ones are rejected."""
 
 
 def states(instance: Instance, run: Trajectory, like: Trajectory) -> Array:
-    """Position, velocity, attitude and omega (T, M) of a run in their scales; attitudes with the
-    sign that is nearer to `like`.
+    """Position, velocity, attitude and omega (T, M) of a run in units of their scales. Of the
+    quaternions q and -q the one nearer to that of `like` is taken.
     """
     scales = instance.scales
     count = len(run.t)
@@ -46,8 +47,10 @@ def states(instance: Instance, run: Trajectory, like: Trajectory) -> Array:
 
 
 def windows(defect: Array) -> list[int]:
-    """Numbers of samples, growing: from where the defect (T,) first shows clearly to the whole
-    run.
+    """Growing numbers of samples, from the first clear defect to the whole run.
+
+    The first window ends just after the defect (T,) reaches 2 % of its maximum; each next one is
+    twice as long.
     """
     whole = len(defect)
     shown = np.flatnonzero(defect >= 0.02 * defect.max(initial=0.0))
@@ -63,26 +66,27 @@ def windows(defect: Array) -> list[int]:
 
 
 def amplitude(difference: Difference, counts: list[int]) -> float | None:
-    """The amplitude at which a twin comes nearest to the run.
+    """The amplitude of least distance between twin and run.
 
-    It is looked for on the shortest window of `counts` samples, and followed to the longest. 0 if
-    the fault does not act; None if no amplitude of it explains the defect of the run.
+    It is found on the shortest window of `counts` samples and refined on each longer one. 0 if the
+    fault does not act; None if no amplitude explains the defect of the run.
     """
     plain = difference(0.0, counts[0])
     probe, moved = _probed(difference, counts[0])
     if plain is None or moved is None:
         return None
+    # effect = (d(probe) - d(0))/probe, about dd/da.
     effect = (moved - plain) / probe
     if not np.any(effect):
         return 0.0
     effect_norm = float(np.linalg.norm(effect))
     defect_norm = float(np.linalg.norm(plain))
-    # The cosine between effect and defect: the code does not have a fault that moves a run in
-    # another direction.
+    # The cosine between effect and defect is effect . d(0)/(|effect| |d(0)|). A small one excludes
+    # the fault.
     projection = float(effect @ plain)
     if defect_norm == 0 or abs(projection) < ALIGNED * effect_norm * defect_norm:
         return None
-    # Least squares of |plain + a effect|^2: a = -effect.plain/|effect|^2.
+    # The minimum of |d(0) + a effect|^2 is at a = -effect . d(0)/|effect|^2.
     a = -projection / effect_norm**2
     for count in counts:
         a = _refined(difference, count, a)
@@ -92,9 +96,7 @@ def amplitude(difference: Difference, counts: list[int]) -> float | None:
 
 
 def _explains(difference: Difference, count: int, amplitude: float) -> bool:
-    """True if the fault at this amplitude explains most of the defect over `count` samples; other
-    faults are not followed to the end of the run.
-    """
+    """True if |d(a)| <= UNEXPLAINED |d(0)| over `count` samples."""
     defect = difference(0.0, count)
     remainder = difference(amplitude, count)
     if defect is None or remainder is None:
@@ -106,7 +108,7 @@ def _probed(difference: Difference, count: int) -> tuple[float, Array | None]:
     """A small amplitude, and the difference of the twin at that amplitude from the run (M,), None
     if neither sign of the amplitude can run.
 
-    The amplitude is negative where a positive one makes a number too large for the scene.
+    It is negative if a positive one makes a number of the scene inadmissible.
     """
     upwards = difference(PROBE, count)
     if upwards is not None:
@@ -115,9 +117,8 @@ def _probed(difference: Difference, count: int) -> tuple[float, Array | None]:
 
 
 def _refined(difference: Difference, count: int, start: float) -> float:
-    """The amplitude of least squares over `count` samples, by secants from one that is near.
-
-    `inf` if it is lost.
+    """The amplitude of least squares over `count` samples, by secants from a near one; `inf` if the
+    twin cannot run at some iterate.
     """
     before = start * (1.0 - 1e-3)
     last = start
@@ -128,8 +129,8 @@ def _refined(difference: Difference, count: int, start: float) -> float:
             return inf
         if last == before:
             return last
-        # d(a) = difference at the amplitude a is nearly a line: slope d' = (d1 - d0)/(a1 - a0), and
-        # the least |d1 + d' step|^2 is at step = -d'.d1/|d'|^2.
+        # With d' = (d1 - d0)/(a1 - a0) the minimum of |d1 + d' step|^2 is at step = -d' .
+        # d1/|d'|^2.
         slope = (new - old) / (last - before)
         steepness = float(slope @ slope)
         if steepness == 0 or not np.isfinite(steepness):

@@ -1,5 +1,5 @@
-"""Which faults can act on a run at all: those that change its question or its answer, or a part
-that the run calls.
+"""Faults that can act on a run: those that change its request or its trajectory, or a part that it
+calls.
 """
 
 from collections.abc import Callable, Iterator, Mapping
@@ -14,19 +14,19 @@ from refdem.faults.fault import Fault
 from refdem.faults.parts import Parts
 
 CONSTANTS = {"suzuki": ("suzuki", "verlet_kicks"), "rk4": ("rk4_nodes", "rk4_weights")}
-"""Numbers that a method uses; what begins with verlet uses those of Verlet's step."""
+"""Constants of each method; other methods, whose names begin with verlet, use `verlet_kicks`."""
 MEMORY = "fresh"
-"""The part that makes others forget the run before; it changes nothing by itself."""
+"""The part that clears the memory of other parts; it has no other effect."""
 
 
 def listening(called: set[str]) -> Parts:
-    """The sound parts; each notes its name when it is called."""
+    """The correct parts, each of which adds its name to `called` when it is called."""
     noting: Parts = _listening(CORRECT, "", called)
     return noting
 
 
 def _listening(parts: Any, prefix: str, called: set[str]) -> Any:
-    """A record of parts whose functions note their names."""
+    """A record of parts whose functions add their names to `called`."""
     changed: dict[str, Any] = {}
     for name, part in _items(parts):
         if isinstance(part, Mapping):
@@ -42,7 +42,7 @@ def _listening(parts: Any, prefix: str, called: set[str]) -> Any:
 
 
 def _noting(part: Callable[..., Any], name: str, called: set[str]) -> Callable[..., Any]:
-    """The function, which notes its name when it is called."""
+    """The function, which adds its name to `called` when it is called."""
 
     def noting(*arguments: Any, **named: Any) -> Any:
         called.add(name)
@@ -52,7 +52,7 @@ def _noting(part: Callable[..., Any], name: str, called: set[str]) -> Callable[.
 
 
 def _items(parts: Any) -> Iterator[tuple[str, Any]]:
-    """Every part of a record by name."""
+    """The name and value of every part of a record."""
     return ((f.name, getattr(parts, f.name)) for f in fields(parts))
 
 
@@ -64,7 +64,7 @@ def replaced(fault: Fault) -> frozenset[str]:
 
 
 def _replaced(faulty: Any, sound: Any, prefix: str) -> Iterator[str]:
-    """Names of the parts of a record that are others than the sound ones."""
+    """Names of the parts of a record that differ from the correct ones."""
     for name, part in _items(faulty):
         right = getattr(sound, name)
         if isinstance(part, Mapping):

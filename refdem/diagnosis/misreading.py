@@ -1,15 +1,17 @@
-"""Numbers of a case that a program has misread: fitted to how its run deviates from truth.
+"""Parameters of a case that a program has misread, fitted to the deviation of its run from truth.
 
-Theorem: the motion at numbers p + d differs from that at p by M d + O(d^2), M being the derivatives
-of its quantities by the numbers (truth/sensitivities.py). Gauss and Newton's iteration goes on from
-p + d with the derivatives at p, so that what is left falls by a part of the order d in each step.
+Theorem: the motion at parameters p + d differs from that at p by M d + O(d^2), where M are the
+derivatives of its quantities by the parameters (truth/sensitivities.py). A Gauss-Newton iteration
+with the derivatives at p, kept fixed, converges linearly with a ratio of order d:
+
+    p <- p + step,   step = argmin |M step - (run - truth(p))|.
 
 Hypotheses, and where each is checked:
 
-* the program follows the equations of the case: a misreading counts only where it leaves no more
-  than the errors of the program's steps, NOISY times these at most (`Fit.is_within_noise`);
-* errors of steps are at most what halving the step changes, which holds from the first order on:
-  `Observed.noise`.
+* the program follows the equations of the case: a misreading is accepted only if the largest
+  residual is at most NOISY times the discretisation error (`Fit.is_within_noise`);
+* the discretisation error is at most the change by halving the step, which holds from the first
+  order on: `Observed.noise`.
 """
 
 from collections.abc import Mapping, Sequence
@@ -30,35 +32,36 @@ from refdem.truth.sensitivities import Number, at_times, numbers_of
 
 Array = NDArray[np.float64]
 SAMPLES = 12
-"""Times at which a run is laid beside truth, spread over it."""
+"""Number of times, spread over a run, at which it is compared with truth."""
 DIGITS = 17
 """Decimal places of the values and derivatives that are fitted."""
 ROUNDING = 1e-14
 """The least noise, in scales: a few roundings."""
 NOISY = 3.0
-"""The largest residual, in units of the noise, that is the noise."""
+"""Largest residual, in units of the noise, that counts as noise."""
 ITERATIONS = 20
-"""Steps of Gauss and Newton's iteration, which ends where a step no longer halves what is left."""
+"""Largest number of Gauss-Newton steps; the iteration ends when a step does not halve the residual.
+"""
 CANDIDATES = 6
-"""Sets of numbers of one size that are fitted to the end, those that explain most at first."""
+"""Number of sets of parameters of one size that are fitted, those of the largest linear effect."""
 PROMISING = 0.5
-"""The part of the deviation that a set of numbers explains at first, to be fitted to the end."""
+"""Least part of the squared deviation that a set of parameters must explain in the linear fit."""
 MOST = 2
-"""Numbers that are misread at once."""
+"""Largest number of parameters that are misread at the same time."""
 LARGEST = 0.2
-"""The largest part of itself by which a number is misread; what is off by more is another law, or
-another unit, and a twin's to explain (twins.py).
+"""Largest relative misreading. A larger one is another law or another unit, which twins explain
+(twins.py).
 """
 AS_LONG = 10.0
-"""The times as long as the values that a fit to them takes, about."""
+"""Approximate time of a fit in units of the time of the values of truth."""
 SHARE = 0.9999
-"""The part that a sentence calls all of it."""
+"""Largest explained part that a sentence shows, so that it is not rounded to 100 %."""
 
 
 @dataclass(frozen=True)
 class Fit:
-    """Numbers that were changed by `amounts` [their units] to fit a run: `explains` is the part of
-    the squared deviation that this takes away, `left` the largest residual in units of the noise.
+    """Parameters changed by `amounts` [their units] to fit a run. `explains` is the part of the
+    squared deviation that the change removes, `left` the largest residual in units of the noise.
     """
 
     numbers: tuple[Number, ...]
@@ -69,12 +72,12 @@ class Fit:
 
     @property
     def is_within_noise(self) -> bool:
-        """True if nothing is left to explain."""
+        """True if the largest residual is within the noise."""
         return self.left <= NOISY
 
     @property
     def is_small(self) -> bool:
-        """True if every number is off by a small part of itself."""
+        """True if the relative change of every parameter is small."""
         pairs = zip(self.values, self.amounts, strict=True)
         return all(abs(amount) <= LARGEST * (abs(value) or 1.0) for value, amount in pairs)
 
@@ -106,10 +109,10 @@ def which(share: float) -> str:
 
 @dataclass(frozen=True)
 class Misreading:
-    """What a fit of the numbers of a case to a run comes to.
+    """The result of fitting the parameters of a case to a run.
 
-    `fits` leave nothing to explain, that which explains most first; `deviation` is the largest in
-    scales. `is_noise` says that it is no more than the errors of the steps.
+    `fits` are those within the noise, that which explains most first; `deviation` is the largest
+    deviation in scales. `is_noise` is True if this is within the discretisation error.
     """
 
     deviation: float
@@ -136,7 +139,7 @@ class Misreading:
 
 @dataclass(frozen=True)
 class Observed:
-    """A run of a program at two steps, and the times at which it is laid beside truth."""
+    """A run of a program at two steps, and the times at which it is compared with truth."""
 
     instance: Instance
     run: Trajectory
@@ -173,8 +176,8 @@ class Observed:
 
     @cached_property
     def noise(self) -> Array:
-        """The errors of the steps (samples x quantities), in scales: at most the largest change so
-        far from the run to that at the finer step.
+        """The bound on the discretisation error (samples x quantities), in scales: the running
+        maximum of the change from the run to that at the finer step.
         """
         coarse = self.instance.observe(self.run)
         columns = []
@@ -189,7 +192,7 @@ class Observed:
         return np.stack(columns, axis=1)
 
     def deviations(self, p: Parameters) -> Array:
-        """The run at the finer step less truth at the numbers p, in units of the noise, flat."""
+        """The run at the finer step minus truth at parameters p, in units of the noise, flat."""
         truth = self.instance.case.truth(p).refined(DIGITS)
         rows = [truth.at(self.time(sample)) for sample in self.samples]
         columns = []
@@ -202,7 +205,7 @@ class Observed:
         return flat
 
     def slopes(self, p: Parameters, numbers: Sequence[Number]) -> Array:
-        """The derivatives of the same by some numbers, a column each."""
+        """The derivatives M of truth by some parameters, in units of the noise, a column each."""
         scales = np.array([self.instance.quantities[name].scale for name in self.names])
         times = [self.time(sample) for sample in self.samples]
         found = at_times(self.instance.case.truth, p, numbers, times, DIGITS)
@@ -214,8 +217,8 @@ class Observed:
 def misreading(
     instance: Instance, run: Trajectory, finer: Trajectory, seconds: float
 ) -> Misreading:
-    """The numbers of a case, one or MOST, that a program has misread, by a run and one at a finer
-    step.
+    """The parameters of a case, at most MOST, that a program has misread, from its runs at two
+    steps.
 
     Raises NotCertifiedError where derivatives are not certified, or would take longer than
     `seconds` [s].
@@ -246,7 +249,9 @@ def misreading(
 
 
 def promising(deviations: Array, matrix: Array, count: int) -> list[tuple[int, ...]]:
-    """The sets of so many columns that explain most of the deviations, the best first."""
+    """The sets of `count` columns that explain most of the deviations in a linear fit, the best
+    first.
+    """
     total = float(deviations @ deviations)
     felt = [k for k in range(matrix.shape[1]) if np.any(matrix[:, k])]
     ranked = []
@@ -262,8 +267,8 @@ def promising(deviations: Array, matrix: Array, count: int) -> list[tuple[int, .
 
 
 def fitted(seen: Observed, p: Parameters, numbers: Sequence[Number], matrix: Array) -> Fit | None:
-    """The fit of some numbers by Gauss and Newton's iteration with the derivatives `matrix` at the
-    numbers of the case; None where it leaves the numbers that the case can have.
+    """The fit of some parameters by a Gauss-Newton iteration with the derivatives `matrix` at those
+    of the case; None if the first step leaves the range of the parameters.
     """
     begin = seen.deviations(p)
     residual = begin
@@ -271,6 +276,7 @@ def fitted(seen: Observed, p: Parameters, numbers: Sequence[Number], matrix: Arr
     best: Fit | None = None
     try:
         for _ in range(ITERATIONS):
+            # The least squares solution of M step = run - truth(p).
             step = np.linalg.lstsq(matrix, residual)[0]
             for number, amount in zip(numbers, step, strict=True):
                 moved = number.set_in(moved, number.of(moved) + Fraction(float(amount)))

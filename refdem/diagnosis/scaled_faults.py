@@ -1,8 +1,8 @@
-"""Faults with an amplitude: a parameter that is misread by a factor, and every known fault made
-smaller or larger.
+"""Faults with an amplitude: a number misread by a factor, and every known fault made smaller or
+larger.
 
-At amplitude 0 nothing is wrong; a fault of the catalogue has amplitude 1. Between the two, numbers
-of the question, of the answer or of a part's result are mixed: sound + amplitude (faulty - sound).
+At amplitude 0 there is no fault, and a fault of the catalogue has amplitude 1. Numbers of the
+trajectory or of the result of a part are interpolated: sound + amplitude (faulty - sound).
 """
 
 from collections.abc import Callable, Iterator, Mapping
@@ -31,10 +31,10 @@ from refdem.scene import Scene, Sphere
 
 @dataclass(frozen=True, kw_only=True)
 class ScaledFault:
-    """A fault of any amplitude.
+    """A fault of variable amplitude.
 
-    `says` describes the fault at an amplitude in a sentence; `carrier` makes the transparent engine
-    with the fault at an amplitude; `fault` is the one of the catalogue that it continues, if any.
+    `says` describes the fault at an amplitude in a sentence, and `carrier` makes the transparent
+    engine with it. `fault` is the one of the catalogue that it generalises, if any.
     """
 
     name: str
@@ -44,9 +44,10 @@ class ScaledFault:
 
 
 def misread(scene: Scene) -> Iterator[ScaledFault]:
-    """Scaled faults of every number of a scene that may be taken a little too large or too small.
+    """Scaled faults of every number of a scene that may be misread by a factor 1 + a, with the
+    amplitude a.
 
-    Amplitude a is a factor of 1 + a. Numbers that are 0 are left out: no factor changes them.
+    Numbers that are 0 are left out, because no factor changes them.
     """
     yield from _misread_elements(scene)
     for name in ("mass", "inertia", "velocity", "omega"):
@@ -62,7 +63,7 @@ def misread(scene: Scene) -> Iterator[ScaledFault]:
 
 
 def _misread_elements(scene: Scene) -> Iterator[ScaledFault]:
-    """Scaled faults of every field of an element that is a number or several."""
+    """Scaled faults of every field of an element that is a number or a tuple of numbers."""
     for number, element in enumerate(scene.elements):
         kind = element.kind.replace("_", "-")
         for name in element.__struct_fields__:
@@ -73,7 +74,7 @@ def _misread_elements(scene: Scene) -> Iterator[ScaledFault]:
 
 
 def _misread_masses(scene: Scene) -> Iterator[ScaledFault]:
-    """Scaled faults of the mass of each of two bodies; none of other numbers of bodies."""
+    """Scaled faults of the mass of each body in a scene of two bodies; none in other scenes."""
     if len(scene.bodies) != 2:
         return
     for body in range(2):
@@ -102,8 +103,8 @@ def _misread(name: str, description: str, misreading: Misreading) -> ScaledFault
 
 
 def paced() -> Iterator[ScaledFault]:
-    """Scaled faults of steps of positions, velocities or attitudes that are a little longer or
-    shorter than asked: amplitude a is a factor of 1 + a.
+    """Scaled faults of the length of steps of positions, velocities or attitudes, by a factor 1 + a
+    with the amplitude a.
     """
     steps = {
         "drift": ("drifted",),
@@ -123,7 +124,7 @@ def _paced(name: str, parts: tuple[str, ...]) -> ScaledFault:
         stepped = tuple(part for part in parts if part != "turn_rate")
         changed = of_pace(pace, *stepped)(CORRECT)
         if "turn_rate" in parts:
-            # A rate has no step that could be longer: it is larger itself.
+            # A rate has no step as argument, so that the rate itself is scaled.
             changed |= of_results(turn_rate=scaled(pace))(CORRECT)
         return Transparent(CORRECT.with_(**changed))
 
@@ -135,10 +136,9 @@ def _paced(name: str, parts: tuple[str, ...]) -> ScaledFault:
 
 
 def continued(fault: Fault) -> ScaledFault | None:
-    """The scaled fault of a fault of the catalogue, which has the fault itself at amplitude 1.
+    """The scaled fault that is the given fault of the catalogue at amplitude 1.
 
-    None for a fault that misreads the question: `misread` has all of those that are a matter of
-    degree.
+    None for a fault that changes the request; `misread` has those of variable amplitude.
     """
     if fault.before is not None:
         return None
@@ -155,7 +155,7 @@ def continued(fault: Fault) -> ScaledFault | None:
 
 
 def _mixed_answer(fault: Fault, amplitude: float) -> Callable[[Request, Trajectory], Trajectory]:
-    """A change of a trajectory: each column is moved towards the one that the fault makes of it."""
+    """A change of a trajectory that interpolates each column towards that with the fault."""
     change = fault.after
     assert change is not None
 
@@ -170,7 +170,7 @@ def _mixed_answer(fault: Fault, amplitude: float) -> Callable[[Request, Trajecto
 
 
 def _mixed_parts(fault: Fault, amplitude: float) -> dict[str, Any]:
-    """The parts that the fault replaces, by name, each mixed with the sound one."""
+    """The parts that the fault replaces, by name, each interpolated with the correct one."""
     assert fault.inside is not None
     parts = {}
     for name, faulty in fault.inside(CORRECT).items():
@@ -183,8 +183,8 @@ def _mixed_parts(fault: Fault, amplitude: float) -> dict[str, Any]:
 
 
 def _mixed_part(sound: Any, faulty: Any, amplitude: float) -> Any:
-    """A part between the sound and the faulty one: a function whose results are mixed, a number, or
-    a record or a mapping of such parts.
+    """The interpolation of a correct and a faulty part: a function whose results are interpolated,
+    a number, or a record or mapping of such parts.
     """
     if is_dataclass(sound) and not isinstance(sound, type):
         return _field_by_field(_mixed_part, sound, faulty, amplitude)
@@ -212,7 +212,7 @@ def _mixed(sound: Any, faulty: Any, amplitude: float) -> Any:
 
     Anything else must be the same in both; raises TypeError where it is not.
     """
-    # Most of what is mixed, in every step of a run, are plain numbers.
+    # Tested first, because most arguments are plain floats.
     if type(sound) is float:
         return sound + amplitude * (faulty - sound)
     if isinstance(sound, np.ndarray) and sound.shape == np.shape(faulty):

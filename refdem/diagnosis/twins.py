@@ -1,11 +1,11 @@
-"""Diagnosis by twins: the transparent engine with one fault or another integrator on the same
-scene, laid beside a code's run.
+"""Diagnosis by twins: runs of the transparent engine, with one fault or another integrator, on the
+same scene are compared with the run of a code.
 
-A fault that is a matter of degree is fitted: its amplitude is solved for. It is named only where
-it explains the run to three digits, explains a thousand times more than the same twin without the
-fault, and, where the code has a run at another step as well, explains that one with the same
-amplitude. An amplitude that is no simple number has to explain more: one free number fits three
-digits of much. Faults that explain a run equally are all named.
+The amplitude of a fault of variable size is fitted. A fault is named only if its twin agrees with
+the run to three digits, is a thousand times nearer to it than the same twin without the fault, and,
+if there is a run of the code at another step, agrees with that one at the same amplitude. The
+thresholds are higher for an amplitude that is not a simple number, because one free parameter can
+fit three digits of many runs. All faults that explain a run equally well are named.
 """
 
 from collections.abc import Iterator
@@ -33,68 +33,61 @@ from refdem.faults.transparent import METHODS, Transparent
 Array = NDArray[np.float64]
 
 LEAST_DIGITS = 3.0
-"""A twin that agrees to fewer digits of the scale explains nothing."""
+"""Least number of digits of the scale to which a twin must agree."""
 LEFT = 1e-3
-"""Part of the defect of its sound twin that a fault may leave unexplained: three digits of the
-defect.
-"""
+"""Largest part of the defect of the twin without fault that a fault may leave unexplained."""
 ODD_DIGITS = 6.0
-"""Digits to which a twin of a fitted amplitude must agree if that is no simple number."""
+"""The same as LEAST_DIGITS, for a fitted amplitude that is not a simple number."""
 ODD_LEFT = 1e-5
-"""Part of the defect that such a twin may leave unexplained."""
+"""The same as LEFT, for a fitted amplitude that is not a simple number."""
 SIMPLE_FACTORS: tuple[float, ...] = (-1.0, 0.5, 2.0, 4.0, 0.25, 10.0, 0.1, 1e3, 1e-3)
-"""Factors by which numbers are misread for a reason: a sign, a half, a unit."""
+"""Plausible factors of misread numbers: a sign, a half, a unit."""
 SIMPLE_AMPLITUDES: tuple[float, ...] = (1.0, -1.0, 0.5, 2.0)
-"""Amplitudes of known faults that need no reason: as it is, reversed, half, or twice."""
+"""Plausible amplitudes of known faults: 1, reversed, half, and twice."""
 SIMPLE = 1e-3
-"""Largest relative distance of a fitted amplitude from the simple number that it is taken for."""
+"""Largest relative difference of a fitted amplitude from a simple number."""
 SECONDS = 120.0
 """Run time [s] of a search for twins, after which it ends with what was tried; small scenes take
 10 s.
 """
 MOST_EQUALS = 5
-"""Faults that are named as equals of an explanation, of those that are."""
+"""Largest number of equally good explanations that are named."""
 FINER = 4
-"""Steps of the best method in one of the code's: its run is then nearer to the motion itself, with
-the fault or without.
+"""Number of steps of the best method in one step of the code, so that its discretisation error is
+small.
 """
 TRIED = ("euler", "verlet", "rk4")
 """Methods in which every fault is tried."""
 MOST_STEPS = 600
-"""Steps of the code's run that are looked at."""
+"""Largest number of steps of the code's run that are compared."""
 EXPLAINED = 1e-11
-"""A twin without any fault that is as near as this leaves nothing to explain."""
+"""Distance of a twin without fault below which no fault is searched."""
 CORRECT = 1e-9
-"""A code that is farther than this from every twin without fault differs by more than the order of
-its sums.
-"""
+"""Largest distance from a twin without fault that the order of floating-point sums can explain."""
 ALIKE = 10.0
-"""Of two twins whose distances differ by less than this factor, neither is the better explanation.
-"""
+"""Ratio of distances below which two twins explain a run equally well."""
 FLOOR = 1e-12
-"""Distances below this are round-off, and alike."""
+"""Distance below which all twins explain a run equally well up to round-off."""
 SAME = 1e-9
-"""A fault that changes a twin's distance by no more does not act on this scene."""
+"""Relative change of a twin's distance below which a fault does not act on the scene."""
 HOPELESS = 10.0
-"""A method whose sound twin is so many times farther than the best is not the code's."""
+"""A method is rejected if its twin without fault is more than this times as far as the nearest one.
+"""
 PROMISING = 0.3
-"""A known fault is followed to the end of the run if it leaves at most this part of the first
-defect.
+"""Largest part of the defect in the first window that a known fault may leave to be run to the end.
 """
 FOLLOWED = 12
-"""Known faults that are followed, the nearest."""
+"""Largest number of known faults, the nearest ones, that are run to the end."""
 MOST_DIGITS = 16.0
 """Digits of a twin that agrees exactly: those of binary64."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class Twin:
-    """A twin's run beside the code's: its fault, its method and the largest distance.
+    """A twin's run compared with the code's: its fault, its method and the largest distance.
 
-    A twin without a fault and without a scaled fault is correct.
-
-    `distance` is in units of each scale, `beside` that of the twin of the same method and step
-    without the fault.
+    A twin without a fault and without a scaled fault is correct. `distance` is in units of each
+    scale, and `beside` is the distance of the twin of the same method and step without the fault.
     """
 
     method: str
@@ -114,7 +107,7 @@ class Twin:
 
     @property
     def name(self) -> str:
-        """The fault's; empty for a sound twin."""
+        """The name of the fault; empty for a correct twin."""
         if self.scaled is not None:
             return self.scaled.name
         if self.fault:
@@ -123,7 +116,7 @@ class Twin:
 
     @property
     def behaviour(self) -> str:
-        """What a code does that behaves so."""
+        """A description of the twin's fault and method."""
         if self.scaled is not None:
             return f"{self.scaled.name}: {self.scaled.says(self.amplitude)} ({self.method})"
         if self.fault is None:
@@ -132,8 +125,8 @@ class Twin:
 
     @property
     def is_telling(self) -> bool:
-        """True if the twin agrees to three digits, and explains three digits of what is wrong with
-        the same twin without the fault; more of both at an amplitude that is no simple number.
+        """True if the twin explains the run: `digits` is large enough, and the distance is a small
+        enough part of that of the same twin without the fault.
         """
         if self.is_odd:
             digits = ODD_DIGITS
@@ -163,11 +156,11 @@ class Twin:
 
 @dataclass(frozen=True, kw_only=True)
 class Diagnosis:
-    """All twins that were followed to the end, nearest first, and the distance of the code's run
-    from the right motion.
+    """All twins that were run to the end, nearest first, and the distance `defect` of the code's
+    run from the right motion.
 
-    `refuted` are the names of faults that explain this run and not the code's run at another step.
-    `seconds` [s] is the run time after which the search was ended, 0 if all faults were tried.
+    `refuted` are the names of faults that explain this run but not the code's run at another step.
+    `seconds` [s] is the run time after which the search ended, 0 if all faults were tried.
     """
 
     twins: tuple[Twin, ...]
@@ -182,9 +175,7 @@ class Diagnosis:
 
     @property
     def explanation(self) -> Twin | None:
-        """The nearest twin that explains the run: one without a fault where that is as near as any
-        other, then a known fault as it is.
-        """
+        """The twin that explains the run, the simplest one of equally good ones; None without."""
         telling = self._telling
         if not telling:
             return None
@@ -194,7 +185,7 @@ class Diagnosis:
 
     @property
     def alike(self) -> tuple[str, ...]:
-        """Other faults that do the same on this scene."""
+        """The names of other faults that explain the run equally well."""
         explanation = self.explanation
         if explanation is None or not explanation.name:
             return ()
@@ -252,8 +243,8 @@ def _complexity(twin: Twin) -> int:
 
 
 def _is_alike(twin: Twin, nearest: Twin) -> bool:
-    """Whether a twin explains the run as well as the nearest one: it is at most ten times as far,
-    or so near that only round-off is left.
+    """True if a twin explains the run as well as the nearest one: its distance is at most ALIKE
+    times as large, or round-off.
     """
     return twin.distance <= max(ALIKE * nearest.distance, FLOOR)
 
@@ -267,8 +258,8 @@ def diagnosis(
 ) -> Diagnosis:
     """The twins of a run that answers `request`, nearest first.
 
-    `other` is a run of the code at another step, which confirms. The search ends after `seconds`
-    [s] of run time with the twins that were tried.
+    `other` is a run of the code at another step, to confirm the diagnosis. The search ends after
+    `seconds` [s] of run time with the twins that were tried until then.
     """
     beside = Beside(instance, request, run, seconds)
     sound = beside.sound
@@ -291,20 +282,21 @@ def diagnosis(
 def _refuted(
     instance: Instance, twins: list[Twin], other: tuple[Request, Trajectory] | None
 ) -> frozenset[str]:
-    """Faults that explain a run and, with the same amplitude, not the code's run at another
-    step.
+    """Names of faults that explain a run but, with the same amplitude, not the code's run at
+    another step.
     """
     if other is None or not twins:
         return frozenset()
     elsewhere = Beside(instance, *other)
-    # A method without steps is compared at any step: 1.0 stands for its own.
+    # A method without steps can be compared at any step, here 1.0.
     other_step = other[0].step
     if other_step is None:
         other_step = 1.0
     ratio = other_step / twins[0].step
     explained: dict[str, bool] = {}
     for twin in twins:
-        # A twin at the code's own step goes on at the other run's own step, a finer one at a finer.
+        # A twin at the code's step is compared at the step of the other run, and one at the finer
+        # step at the step of the other run over FINER.
         if twin.step == twins[0].step:
             step = twin.step * ratio
         else:
@@ -319,8 +311,8 @@ def _refuted(
 
 
 def _is_foreign(twin: Twin, instance: Instance) -> bool:
-    """The fault is known from other cases: of two that do the same here, the one known from this
-    case is named first.
+    """True if the fault is known from other cases only. Of two equal explanations the fault known
+    from this case is named first.
     """
     return twin.fault is not None and instance.case.id not in {
         SETTINGS[name].case for name in twin.fault.on
@@ -328,7 +320,7 @@ def _is_foreign(twin: Twin, instance: Instance) -> bool:
 
 
 class Beside:
-    """A run of a code, and twins that are laid beside it."""
+    """A run of a code, and the twins that are compared with it."""
 
     def __init__(
         self, instance: Instance, request: Request, run: Trajectory, seconds: float = SECONDS
@@ -336,7 +328,7 @@ class Beside:
         self.begun = monotonic()
         self.seconds = seconds
         self.is_cut_short = False
-        """Whether faults were left untried for want of time."""
+        """True if the search ended before all faults were tried."""
         self.instance = instance
         self.request = request
         self.run = run
@@ -373,7 +365,7 @@ class Beside:
     def ran(
         self, engine: Engine, method: str, step: float, samples: int | None = None
     ) -> Trajectory | None:
-        """A twin's run over the first samples (none: all); None if its fault breaks it."""
+        """A twin's run over the first `samples` (None: all); None if its fault makes it fail."""
         motion = self.request.problem
         asked = replace(self.request, method=method, step=step, tolerance=None).with_scene(
             motion.scene, motion.times[:samples]
@@ -416,8 +408,8 @@ class Beside:
 
     @cached_property
     def counts(self) -> list[int]:
-        """Samples of growing windows, the first as short as shows the defect of the nearest sound
-        twin.
+        """Numbers of samples of growing windows; the first is as short as the defect of the nearest
+        correct twin allows.
         """
         nearest = min(self.sound.values(), key=lambda twin: twin.distance)
         twin = self.ran(Transparent(), nearest.method, nearest.step)
@@ -427,13 +419,13 @@ class Beside:
         )
 
     def faulty(self) -> Iterator[Twin]:
-        """Known faults as they are, and faults of a fitted amplitude, in every method that may be
-        the code's.
+        """Twins with known faults, and with faults of a fitted amplitude, in every method that may
+        be the code's.
         """
         first = {key: self._early(Transparent(), *key) for key in self.sound}
         best = min(first.values())
-        # Own steps first: what does not act there need not be tried at the finer step, which costs
-        # most.
+        # The code's step first: a fault that does not act there is not tried at the finer step,
+        # which takes longest.
         followed = sorted(
             (key for key, distance in first.items() if distance <= HOPELESS * best),
             key=lambda key: -key[1],
@@ -465,7 +457,7 @@ class Beside:
         return float(np.abs(off).max())
 
     def difference(self, engine: Engine, method: str, step: float, samples: int) -> Array | None:
-        """Twin less run (M,) over the first samples, in units of the scales.
+        """Twin minus run (M,) over the first samples, in units of the scales.
 
         None if the twin cannot run.
         """
@@ -504,11 +496,11 @@ class Beside:
     def _known(
         self, followed: list[tuple[str, float]], first: dict[tuple[str, float], float]
     ) -> Iterator[Twin]:
-        """Faults of the catalogue as they are, those first that are nearest in the first window."""
+        """Twins with faults of the catalogue, ordered by their distance in the first window."""
         early = []
         for number, fault in enumerate(faults()):
             inert = set()
-            # Half of the time is for the first look at each fault.
+            # Half of the time is for the first window of each fault.
             if self._is_late(0.5):
                 break
             for method, step in self._tries(fault, followed):
@@ -567,7 +559,9 @@ class Beside:
     def _differences(
         self, scaled: ScaledFault, method: str, step: float
     ) -> amplitude_fit.Difference:
-        """Twin less run at an amplitude over so many samples; that of the sound twin is kept."""
+        """A function: twin minus run at an amplitude over a number of samples. Results at amplitude
+        0 are kept.
+        """
 
         def difference(amplitude: float, samples: int) -> Array | None:
             if amplitude:
@@ -590,8 +584,8 @@ def _engine(twin: Twin) -> Engine:
 
 
 def first_part(request: Request) -> Request:
-    """The request for as many samples as MOST_STEPS steps reach: enough to tell twins apart, soon
-    enough for hundreds of them.
+    """The request for the samples within MOST_STEPS steps, which distinguish twins and are short
+    enough for hundreds of runs.
     """
     times = request.problem.times
     if request.step is None:
@@ -603,7 +597,7 @@ def first_part(request: Request) -> Request:
 def distance(instance: Instance, run: Trajectory, twin: Trajectory) -> float | None:
     """Largest difference of any state or observed quantity at any sample, in units of its scale.
 
-    None if they are of other shapes.
+    None if their shapes differ.
     """
     if run.position.shape != twin.position.shape:
         return None

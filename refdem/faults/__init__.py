@@ -1,1 +1,1 @@
-"""Known faults, and the transparent engine that carries them: what shows that the checks see."""
+"""Known faults, and the transparent engine into which they are planted to test the checks."""

@@ -1,4 +1,4 @@
-"""Changes of requests and trajectories, and parts that remember: what faults are written with."""
+"""Building blocks of faults: changes of requests, of trajectories, and of parts of the engine."""
 
 from collections.abc import Callable
 from dataclasses import replace
@@ -22,7 +22,7 @@ Inside = Callable[[Any], dict[str, Any]]
 
 
 def of_bodies(**change: Callable[[Array], Array]) -> Callable[[Request], Request]:
-    """A request with columns of its bodies changed."""
+    """A change of a request: of columns of its bodies, each by a function of the column."""
 
     def before(request: Request) -> Request:
         scene = request.problem.scene
@@ -38,7 +38,7 @@ def of_bodies(**change: Callable[[Array], Array]) -> Callable[[Request], Request
 def of_elements(
     kind: type[Element], **change: Callable[[Any], Any]
 ) -> Callable[[Request], Request]:
-    """A request with fields of all elements of one kind changed."""
+    """A change of a request: of fields of all elements of one kind, each by a function."""
 
     def made(element: Element) -> Element:
         if not isinstance(element, kind):
@@ -55,7 +55,7 @@ def of_elements(
 
 
 def of_columns(**change: Callable[[Array], Array]) -> Callable[[Request, Trajectory], Trajectory]:
-    """A trajectory with columns changed."""
+    """A change of a trajectory: of columns, each by a function of the column."""
 
     def after(request: Request, run: Trajectory) -> Trajectory:
         changed: dict[str, Any] = {
@@ -67,17 +67,17 @@ def of_columns(**change: Callable[[Array], Array]) -> Callable[[Request, Traject
 
 
 def digits(number: int) -> Callable[[Array], Array]:
-    """Numbers with so many significant digits, as a text file of `%.{number}g` keeps them."""
+    """Rounding to `number` significant digits, as text in the format `%.{number}g` does it."""
     return lambda values: np.vectorize(lambda value: float(f"{value:.{number}g}"))(values)
 
 
 def single(values: Array) -> Array:
-    """Numbers that went through single precision."""
+    """The values rounded to single precision."""
     return values.astype(np.float32).astype(float)
 
 
 def scaled(factor: float) -> Callable[[Any], Any]:
-    """The value times a factor, also component by component."""
+    """Multiplication of a number, an array or every component of a tuple by a factor."""
 
     def times_factor(value: Any) -> Any:
         if isinstance(value, tuple):
@@ -88,8 +88,8 @@ def scaled(factor: float) -> Callable[[Any], Any]:
 
 
 class Late:
-    """A part that answers with what it should have answered the last time; the first time of a run
-    it is on time.
+    """A part that returns the result of its previous call. The first call of a run returns its own
+    result.
     """
 
     def __init__(self, sound: Callable[..., Any]) -> None:
@@ -106,7 +106,7 @@ class Late:
 
 
 def forgetting(sound: Parts, forget: Callable[[], Any], **parts: Any) -> dict[str, Any]:
-    """Faulty parts that remember, by name; `forget` is called whenever a run begins."""
+    """Faulty parts with a memory, by name; `forget` clears it at the start of every run."""
 
     def fresh(kept: dict[str, Any]) -> None:
         forget()
@@ -116,7 +116,7 @@ def forgetting(sound: Parts, forget: Callable[[], Any], **parts: Any) -> dict[st
 
 
 def late(name: str) -> Inside:
-    """The part of that name answers one call late."""
+    """The named part returns the result of its previous call."""
 
     def inside(sound: Parts) -> dict[str, Any]:
         part = Late(getattr(sound, name))
@@ -136,7 +136,7 @@ def with_force(sound: Parts, kind: type[Element], force: Callable[..., Any]) -> 
 
 
 def late_force(kind: type[Element]) -> Inside:
-    """The force of one kind of element is returned one call late."""
+    """The force of one kind of element is that of its previous call."""
 
     def inside(sound: Parts) -> dict[str, Any]:
         force = Late(sound.forces[kind])
@@ -146,13 +146,13 @@ def late_force(kind: type[Element]) -> Inside:
 
 
 def every_other(name: str) -> Inside:
-    """The part of that name, whose result is a vector, gives the zero vector every second time."""
+    """The named part, whose result is a vector, returns zero in every second call."""
 
     return lambda sound: {name: skipping(getattr(sound, name))}
 
 
 def skipping(sound: Callable[..., Any]) -> Callable[..., Any]:
-    """A function whose result, a vector, is the zero vector every second time."""
+    """A function that returns the zero vector instead of its result in every second call."""
     is_sound = cycle((True, False))
 
     def part(*arguments: Any) -> Any:
@@ -164,7 +164,7 @@ def skipping(sound: Callable[..., Any]) -> Callable[..., Any]:
 
 
 def of_parts(**parts: Any) -> Inside:
-    """Parts replaced by other functions or numbers."""
+    """Parts that are replaced by other functions or numbers."""
     return lambda sound: parts
 
 
@@ -180,7 +180,7 @@ def of_results(**change: Callable[[Any], Any]) -> Inside:
 
 
 def of_arguments(**change: Callable[..., tuple[Any, ...]]) -> Inside:
-    """Parts that are called with other arguments, all of which `change` gives."""
+    """Parts that are called with changed arguments, which `change` computes from the right ones."""
 
     def changed(part: Callable[..., Any], make: Callable[..., Any]) -> Callable[..., Any]:
         return lambda *arguments: part(*make(*arguments))
@@ -191,7 +191,7 @@ def of_arguments(**change: Callable[..., tuple[Any, ...]]) -> Inside:
 
 
 def within(record: str, inside: Inside) -> Inside:
-    """Parts of one record of parts changed, as those of `maps` or of `holding`."""
+    """Changed parts within one record of parts, such as `maps` or `holding`."""
 
     def changed(sound: Parts) -> dict[str, Any]:
         sound_record = getattr(sound, record)
@@ -201,7 +201,7 @@ def within(record: str, inside: Inside) -> Inside:
 
 
 def of_pace(pace: float, *names: str) -> Inside:
-    """Parts whose step, the last of their arguments, is longer by a factor."""
+    """Parts whose last argument, the step, is multiplied by the factor `pace`."""
 
     def longer(part: Callable[..., Any]) -> Callable[..., Any]:
         return lambda *arguments: part(*arguments[:-1], pace * arguments[-1])
@@ -210,7 +210,7 @@ def of_pace(pace: float, *names: str) -> Inside:
 
 
 def rounded(value: Any) -> Any:
-    """A number, or a tuple of numbers, that went through single precision."""
+    """A number or a tuple of numbers, rounded to single precision."""
     if isinstance(value, tuple):
         return tuple(float(np.float32(x)) for x in value)
     return float(np.float32(value))

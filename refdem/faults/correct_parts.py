@@ -1,4 +1,4 @@
-"""The sound parts of the transparent engine, each a small plain function or constant."""
+"""The correct parts of the transparent engine, each a small function or a constant."""
 
 from collections.abc import Callable
 from math import cos, sin
@@ -25,8 +25,8 @@ from refdem.scene.elements.slider import Slider
 
 
 def told_forces() -> dict[type[Element], Callable[..., Vector]]:
-    """The force of every kind of element that tells it for points, as a function of an element of
-    that kind and of what `Field.force` or `Link.force` is given.
+    """The force on points of every kind of element that defines one, by kind. The functions have
+    the arguments of `Field.force` or `Link.force`, after the element.
     """
     forces: dict[type[Element], Callable[..., Vector]] = {}
     for kind in KINDS.values():
@@ -41,13 +41,15 @@ def gyroscopic(inertia: Vector, omega: Vector) -> Vector:
 
 
 def turn_rate(q: Quaternion, omega: Vector) -> Quaternion:
-    """The rate q' = q omega_body / 2 of the attitude."""
+    """The rate q' = q (0, omega_body)/2 of the attitude (1.67)."""
     w, x, y, z = vec.product(q, (0.0, *omega))
     return w / 2, x / 2, y / 2, z / 2
 
 
 def turned(q: Quaternion, omega: Vector, h: Number) -> Quaternion:
-    """Attitude after turning with omega [rad/s] in body axes for h [s]."""
+    """Attitude after a rotation with constant omega [rad/s] in body axes for h [s]: q exp(omega
+    h/2).
+    """
     return vec.product(q, vec.turn_by(vec.times(h, omega)))
 
 
@@ -57,14 +59,15 @@ def axis_turn(
     """omega_body and attitude after the exact rotation of the body about one principal axis for h
     [s].
     """
-    # With T = L_axis^2/(2 J_axis) alone, L in space and omega along the axis stay as they are.
+    # The flow of T = L_k^2/(2 J_k) alone: q+ = q (cos(a/2), sin(a/2) e_k) with a = h omega_k. L is
+    # constant in space, so that its body components rotate by -a about e_k.
     angle = h * omega[axis]
     c = cos(angle)
     s = sin(angle)
     momentum: Any = list(vec.per_axis(inertia, omega))
     i = (axis + 1) % 3
     j = (axis + 2) % 3
-    # The momentum stays in space, so that its components in the body turn backwards.
+    # L_i+ = cos(a) L_i + sin(a) L_j, L_j+ = cos(a) L_j - sin(a) L_i.
     turned_i = c * momentum[i] + s * momentum[j]
     turned_j = c * momentum[j] - s * momentum[i]
     momentum[i] = turned_i
@@ -85,12 +88,12 @@ def to_space(q: Quaternion, a: Vector) -> Vector:
 
 
 def kicked(v: Vector, force: Vector, mass: Number, h: Number) -> Vector:
-    """Velocity after a force for h [s]."""
+    """Velocity after a constant force for h [s]: v + h F/m."""
     return vec.moved(v, h / mass, force)
 
 
 def spun_up(omega: Vector, torque: Vector, inertia: Vector, h: Number) -> Vector:
-    """omega_body after a torque in body axes for h [s]."""
+    """omega_body after a constant torque in body axes for h [s]: omega + h J^-1 torque."""
     x = omega[0] + h * torque[0] / inertia[0]
     y = omega[1] + h * torque[1] / inertia[1]
     z = omega[2] + h * torque[2] / inertia[2]
@@ -98,12 +101,12 @@ def spun_up(omega: Vector, torque: Vector, inertia: Vector, h: Number) -> Vector
 
 
 def drifted(r: Vector, v: Vector, h: Number) -> Vector:
-    """The position after a drift of h [s]."""
+    """The position after a drift of h [s] at constant velocity: r + h v."""
     return vec.moved(r, h, v)
 
 
 def reaction(force: Vector) -> Vector:
-    """The force that the other body feels: the reaction."""
+    """The reaction -F on the other body."""
     return -force[0], -force[1], -force[2]
 
 
@@ -113,12 +116,14 @@ def away(a: Vector, b: Vector) -> Vector:
 
 
 def overlap(radius_a: Number, radius_b: Number, distance: Number) -> Number:
-    """The overlap [m] of two spheres in contact."""
+    """The overlap d = R_a + R_b - distance [m] of two spheres, negative if they are apart."""
     return (radius_a + radius_b) - distance
 
 
 def normal_force(law: Contact, depth: Number, rate: Number) -> Number:
-    """k d + c d' [N], pulls when negative; k d^(3/2) for Hertz's law."""
+    """F_n = k d + c d' [N], attractive if negative; with k d^(3/2) instead of k d for Hertz's
+    law.
+    """
     if law.law == "hertz":
         pressed = max(depth, 0.0) ** 1.5
     else:
@@ -127,8 +132,8 @@ def normal_force(law: Contact, depth: Number, rate: Number) -> Number:
 
 
 def lever(radius: Number, depth: Number, shortening: Number) -> Number:
-    """Arm R - c d [m] of slip, or of the torque of the tangential force, on a sphere: its
-    `shortening` c is the law's.
+    """Lever R - c d [m] of the slip, or of the torque of the tangential force, on a sphere; the law
+    sets the `shortening` c.
     """
     return radius - shortening * depth
 
@@ -143,21 +148,21 @@ def slip(velocity: Vector, spin: Vector, normal: Vector) -> Vector:
 
 
 def transported(stretch: Vector, old: Vector, normal: Vector) -> Vector:
-    """A vector of one tangent plane turned into another, by the least rotation from normal to
-    normal.
+    """A vector of the tangent plane across `old`, rotated into that across `normal` by the smallest
+    rotation that takes one normal to the other.
     """
-    # x - (n . x)/(1 + n0 . n) (n0 + n) for x in the plane across n0 (Rodrigues).
+    # x+ = x - (n . x)/(1 + n0 . n) (n0 + n) for x perpendicular to n0 (Rodrigues).
     both = vec.plus(old, normal)
     return vec.moved(stretch, -vec.dot(normal, stretch) / (1.0 + vec.dot(old, normal)), both)
 
 
 def stretched(stretch: Vector, slip_before: Vector, slip_now: Vector, h: Number) -> Vector:
-    """The tangential spring after h [s] of slip, by the trapezoidal rule for xi' = s."""
+    """The tangential spring after h [s], xi + h/2 (s0 + s1): the trapezoidal rule for xi' = s."""
     return vec.moved(stretch, h / 2, vec.plus(slip_before, slip_now))
 
 
 def clipped(law: Contact, stretch: Vector, normal: Number) -> Vector:
-    """The spring as long as Coulomb's limit allows, |xi| = mu F_n/k_t, along its direction."""
+    """The spring at Coulomb's limit, |xi| = mu F_n/k_t, with the direction of `stretch`."""
     longest = law.friction * max(normal, 0.0) / law.tangential_stiffness
     length = vec.size(stretch)
     if length > 0:
@@ -166,13 +171,15 @@ def clipped(law: Contact, stretch: Vector, normal: Number) -> Vector:
 
 
 def spring_friction(law: Contact, stretch: Vector) -> Vector:
-    """Force [N] of the tangential spring on a."""
+    """Force -k_t xi [N] of the tangential spring on a."""
     return vec.times(-law.tangential_stiffness, stretch)
 
 
 def sliding_friction(law: Contact, normal: Number, slide: Vector, stopping: Number) -> Vector:
-    """Friction of full size against the slip; raises UnsupportedError where a step of it
-    (`stopping` [kg/s]) would stop the slip.
+    """Sliding friction -mu F_n s/|s| [N].
+
+    Raises UnsupportedError where mu F_n > `stopping` |s|: with `stopping` = m_t/h [kg/s] the
+    friction would then stop the slip within one step.
     """
     speed = vec.size(slide)
     limit = law.friction * max(normal, 0.0)
@@ -184,57 +191,64 @@ def sliding_friction(law: Contact, normal: Number, slide: Vector, stopping: Numb
 
 
 def torque_on(arm: Number, normal: Vector, force: Vector) -> Vector:
-    """Torque [N m] of the tangential force on a; the reaction turns b the same way with its own
-    arm.
+    """Torque arm n x F [N m] of the tangential force on a. The torque of the reaction on b has the
+    same direction, with the lever of b.
     """
     return vec.times(arm, vec.cross(normal, force))
 
 
 def presses(law: Contact, depth: Number, force: Number) -> Number:
-    """Positive while the contact acts."""
+    """A guard that is positive while the contact acts: its overlap, or its force for the cutoff
+    `zero_force`.
+    """
     if law.cutoff == "zero_overlap":
         return depth
     return force
 
 
 def slides_at(slider: Slider, velocity: Vector) -> Number:
-    """Velocity [m/s] along a slider's axis against its belt."""
+    """Velocity u = v . axis - belt [m/s] of a body along the axis of its slider, relative to the
+    belt.
+    """
     return vec.dot(velocity, slider.axis) - slider.belt_velocity
 
 
 def slider_force(slider: Slider, side: int, speed: Number) -> Vector:
-    """Dry friction [N] on a body that slips towards `side` along the axis with this speed."""
+    """Dry friction -side mu(|u|) N [N] on a body that slips towards `side` along the axis."""
     return vec.times(-side * slider.coefficient(speed) * slider.normal_force, slider.axis)
 
 
 def holds(slider: Slider, along: Number) -> bool:
-    """Dry friction balances a force [N] along its axis at rest."""
+    """True if dry friction can balance a force [N] along its axis at rest: |F| <= mu(0) N."""
     limit = slider.coefficient(0.0) * slider.normal_force
     return bool(abs(along) <= limit)
 
 
 def rod_position(rod: Rod, apart: Vector, direction: Vector, ease: Number) -> Number:
-    """Impulse over time [kg] along `direction` that brings the ends to the rod's length (one Newton
-    step). `ease` is 1/m_a + 1/m_b.
+    """Multiplier [kg] of `direction` that brings the ends to the rod's length, by one Newton step;
+    over the step h it is an impulse. `ease` is 1/m_a + 1/m_b.
     """
-    # |apart|^2 - l^2 = 0, whose slope by the impulse is 2 ease apart . direction.
+    # |x|^2 - l^2 = 0 for x = apart - P ease direction: P = (|apart|^2 - l^2)/(2 ease apart .
+    # direction).
     excess = vec.dot(apart, apart) - rod.length * rod.length
     slope = 2 * ease * vec.dot(apart, direction)
     return excess / slope
 
 
 def rod_velocity(rod: Rod, apart: Vector, relative: Vector, ease: Number) -> Number:
-    """Impulse over length [kg/s] that takes the relative velocity along the rod away.
+    """Multiplier lambda [kg/s] of the rod vector r that removes the relative velocity along the
+    rod.
 
-    r . (v - lambda ease r) = 0; `ease` is 1/m_a + 1/m_b.
+    r . (v - lambda ease r) = 0, so that lambda = r . v/(ease |r|^2); `ease` is 1/m_a + 1/m_b.
     """
     return vec.dot(apart, relative) / (ease * vec.dot(apart, apart))
 
 
 def rod_tension(rod: Rod, apart: Vector, relative: Vector, pull: Vector, ease: Number) -> Number:
-    """Rod force [N], positive in tension: (|v|^2 + r.a)/(r ease).
+    """Rod force [N], positive in tension: (|v|^2 + r . a)/(l ease).
 
-    `pull` is the relative acceleration without it.
+    `pull` is the relative acceleration a without the rod force; r . r'' + |v|^2 = 0 keeps the
+    length l.
     """
     needed = vec.dot(relative, relative) + vec.dot(apart, pull)
     return needed / (ease * rod.length)
@@ -246,19 +260,18 @@ def clock(start: Number, count: int, interval: Number) -> Number:
 
 
 def fresh(kept: dict[str, Any]) -> None:
-    """What is done with the memory of earlier runs: it is thrown away."""
+    """Clears the memory of earlier runs."""
     kept.clear()
 
 
 def output(state: Any) -> Any:
-    """The state with which the run goes on after a sample was written: it is read, never
-    changed.
-    """
+    """The state with which the run continues after a sample was written, unchanged."""
     return state
 
 
 S4 = 1.0 / (4.0 - 4.0 ** (1.0 / 3.0))
-"""Suzuki 1990: five steps of a symmetric method of order 2 make one of order 4."""
+"""Suzuki 1990: five steps s4, s4, 1 - 4 s4, s4, s4 of a symmetric method of order 2 have order 4.
+"""
 
 
 CORRECT = Parts(
@@ -310,4 +323,4 @@ CORRECT = Parts(
     rk4_nodes=(0.5, 0.5, 1.0),
     rk4_weights=(1 / 6, 1 / 3, 1 / 3, 1 / 6),
 )
-"""All of them: the engine without any fault."""
+"""The correct parts, with which the engine has no fault."""

@@ -1,7 +1,7 @@
-"""Random parameters of settings: numbers that are dyadic, lists of them, and what follows from
-what was drawn before.
+"""Random parameters of settings: dyadic numbers, lists of them, and values computed from earlier
+draws.
 
-A draw gets the generator and the values of the rows above it.
+A draw is a function of the random generator and of the values of the rows above it.
 """
 
 from collections.abc import Callable, Mapping
@@ -16,8 +16,8 @@ Draw = Callable[[np.random.Generator, Drawn], Any]
 Rows = tuple[tuple[str, Draw | str], ...]
 """Names of parameters, each with its draw or with its text, in the order in which they are drawn.
 
-Of two rows with one name the last one counts. A name that begins with _ is none of a parameter: the
-rows below may use it.
+Of several rows with the same name the last one counts. A name that begins with _ is not a parameter
+but an auxiliary value for the rows below.
 """
 
 
@@ -45,7 +45,7 @@ def either(*values: Any) -> Draw:
 
 
 def signed(low: float, high: float, unit: int = 32) -> Draw:
-    """The same as `between`, of either sign."""
+    """A multiple of 1/unit with a size in [low, high] and a random sign."""
     size = between(low, high, unit)
 
     def draw(rng: np.random.Generator, drawn: Drawn) -> Fraction:
@@ -61,7 +61,7 @@ def listed(*draws: Draw) -> Draw:
 
 
 def unequal(low: float, high: float) -> Draw:
-    """A number in [low, high] and a larger one, in either order."""
+    """Two numbers in random order: one in [low, high], and 1.5 to 2.5 times it."""
     small = between(low, high)
     factor = between(1.5, 2.5, 4)
 
@@ -79,11 +79,11 @@ def box_moments(rng: np.random.Generator, drawn: Drawn) -> str:
     """Moments of inertia of a box with well separated sides, in any order."""
     sides = [between(length, length + 0.25)(rng, drawn) for length in (1, 2, 3)]
     squares = sum(side * side for side in sides)
-    # J_i is proportional to b^2 + c^2, the sides across.
+    # J_i is proportional to b^2 + c^2, the squares of the other two sides.
     moments = [float(squares - side * side) for side in sides]
     return ",".join(str(Fraction(round(moments[i] * 8), 64)) for i in rng.permutation(3))
 
 
 def computed(value: Callable[[Drawn], Any]) -> Draw:
-    """What follows from the rows above."""
+    """A value computed from those of the rows above."""
     return lambda _, drawn: value(drawn)

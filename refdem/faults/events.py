@@ -1,5 +1,7 @@
-"""Steps that are cut where a contact begins or ends, where friction ends, and where a slider
-stops.
+"""Steps that are divided at events: a contact begins or ends, friction ends, a slider stops.
+
+Every mode has guards, functions of the state that are positive as long as the mode is valid. An
+event is the first zero of a guard within a step.
 """
 
 from collections.abc import Callable, Mapping
@@ -14,13 +16,13 @@ from refdem.mechanics import vectors as vec
 from refdem.mechanics.vectors import ZERO, Number, Vector
 
 MOST_EVENTS = 8
-"""Changes of mode in one step. More in one step mean that the modes flip without end, as with a
-faulty rule; the rest of the step is then made without events.
+"""Largest number of changes of mode in one step. With more of them the modes alternate without end,
+as under a faulty rule; the rest of the step is then made without events.
 """
 
 
 def touch_tolerance(motion: Moving) -> float:
-    """Overlap, relative to the radii, that rounding alone may leave where bodies only touch."""
+    """Overlap, relative to the radii, of bodies that touch with zero overlap up to rounding."""
     if motion.world.number is float:
         return 1e-12
     return 1e-5
@@ -35,14 +37,14 @@ def contact_guards(motion: Moving, state: State, number: int) -> tuple[Number, N
     push = motion.parts.normal_force(law, depth, rate)
     acts = motion.parts.presses(law, depth, push)
     if motion.world.corners[number] is not None:
-        # A corner parts at zero overlap at the latest, whatever the cutoff.
+        # The contact of a corner ends at zero overlap at the latest, for any cutoff.
         acts = min(acts, law.stiffness * depth)
     return acts, push
 
 
 def first_modes(motion: Moving, state: State, h: Number) -> None:
-    """Sets the modes of a start; a pair that only touches acts if it closes, a slider at rest
-    starts towards what pulls it.
+    """Sets the modes of the initial state. A pair with zero overlap acts if it closes. A slider at
+    rest sticks, or slips in the direction of the other forces.
     """
     for number in motion.world.lying:
         rolling.first_mode(motion, state, number)
@@ -64,7 +66,7 @@ def _first_contact_mode(motion: Moving, state: State, number: int, h: Number) ->
     radii = world.radius[i]
     if j >= 0:
         radii = radii + world.radius[j]
-    # A guard this near to 0 is a touch: in m, or in N where the guard is a force.
+    # A smaller guard is zero up to rounding: in m, or in N where the guard is a force.
     tolerance = radii * touch_tolerance(motion)
     if world.law.cutoff == "zero_force":
         tolerance = tolerance * world.law.stiffness
@@ -72,7 +74,7 @@ def _first_contact_mode(motion: Moving, state: State, number: int, h: Number) ->
     is_acting = bool(acts > tolerance or (acts > -tolerance and closes))
     state.acting[number] = is_acting
     state.pressing[number] = is_acting
-    # Without a force to press, any slip is beyond Coulomb's limit.
+    # With zero normal force any tangential spring is at Coulomb's limit.
     weakest_push = world.law.stiffness * world.radius[i] * touch_tolerance(motion)
     if is_acting and push <= weakest_push:
         load = motion.parts.loads(world, state, motion.parts)
@@ -80,7 +82,7 @@ def _first_contact_mode(motion: Moving, state: State, number: int, h: Number) ->
 
 
 def side_of(motion: Moving, state: State, number: int, speed: Number) -> int:
-    """Towards where a slider moves: 0 if it is at rest and friction holds it."""
+    """The direction of slip of a slider, 1 or -1; 0 if it is at rest and friction holds it."""
     if speed:
         if speed > 0:
             return 1
@@ -94,10 +96,10 @@ def side_of(motion: Moving, state: State, number: int, speed: Number) -> int:
 
 
 def pull_along(motion: Moving, state: State, number: int) -> Number:
-    """The force [N] along a slider's axis of all else, where it does not slip.
+    """The force [N] along a slider's axis of all other elements.
 
-    A slider at rest would balance whatever pulls it; one that slips adds a known friction. So the
-    loads are taken as if it slipped, less that friction.
+    The friction of a sticking slider balances all other forces, and that of a slipping one is
+    known. The loads are therefore computed as if it slipped, and that friction is subtracted.
     """
     slider = motion.world.sliders[number]
     subject = state.copy()
@@ -109,13 +111,14 @@ def pull_along(motion: Moving, state: State, number: int) -> Number:
 
 
 def slides(motion: Moving, state: State, load: Loads, number: int, h: Number) -> bool:
-    """Whether a tangential spring at Coulomb's limit stays there."""
+    """True if a tangential spring at Coulomb's limit stays there."""
     return bool(limit_excess_rate(motion, state, load, number, h) > 0)
 
 
 def limit_excess_rate(motion: Moving, state: State, load: Loads, number: int, h: Number) -> Number:
     """The rate at which a tangential spring xi at Coulomb's limit would exceed it, k_t |xi|' - mu
-    F_n' [N/s]; 0 without a spring. Its sign is that of a run forwards: above 0 the contact slips.
+    F_n' [N/s]; 0 without a spring. The sign is reversed for h < 0, so that the contact slips where
+    it is above 0.
     """
     law = motion.world.law
     if not (_law_has_spring(law) and state.pressing[number]):
@@ -125,7 +128,7 @@ def limit_excess_rate(motion: Moving, state: State, load: Loads, number: int, h:
     stretch = load.stretch[number]
     slip = load.slip[number]
     length = vec.size(stretch)
-    # xi' is the slip: |xi|' = xi . xi'/|xi|, and |xi'| for a spring that is not stretched yet.
+    # xi' is the slip s: |xi|' = xi . s/|xi|, and |s| where xi = 0.
     if length > 0:
         stretching = vec.dot(stretch, slip) / length
     else:
@@ -173,7 +176,7 @@ def _law_has_spring(law: Any) -> bool:
 
 
 def has_spring(motion: Moving, state: State, number: int) -> bool:
-    """The pair's tangential spring is at work."""
+    """True if the pair presses and has a tangential spring."""
     touches = state.acting[number] and state.pressing[number]
     return touches and _law_has_spring(motion.world.law)
 
@@ -181,14 +184,14 @@ def has_spring(motion: Moving, state: State, number: int) -> bool:
 def slide_margin(
     motion: Moving, before: State, after: State, load: Loads, number: int, h: Number, push: Number
 ) -> Number:
-    """What keeps a spring that slid sliding, and one that stuck within Coulomb's limit."""
+    """The guard of sliding or of sticking: k_t |xi|' - mu F_n' or mu F_n - k_t |xi|."""
     if before.sliding[number]:
-        # It slides on while the limit would be exceeded; exactly 0 counts as below 0, and sticks.
+        # It slides while k_t |xi|' - mu F_n' > 0; exactly 0 counts as negative, and it sticks.
         excess_rate = limit_excess_rate(motion, after, load, number, h)
         if excess_rate == 0:
             return -positional.TINY
         return excess_rate
-    # It sticks on while k_t |xi| <= mu F_n.
+    # It sticks while k_t |xi| <= mu F_n.
     law = motion.world.law
     return law.friction * push - law.tangential_stiffness * vec.size(load.stretch[number])
 
@@ -196,13 +199,13 @@ def slide_margin(
 Change = tuple[str, int]
 """A kind of change of mode, and the number of the pair, hook, wall or slider that changes."""
 Margins = list[tuple[Number, Change]]
-"""The guard of every mode with the change of mode that it stands for: below 0 it is due."""
+"""Guards, each with the change of mode that is due where the guard is below 0."""
 
 
 def margins(motion: Moving, before: State, after: State, load: Loads, h: Number) -> Margins:
-    """The guard of every mode at the end of a step, each with the change of mode it stands for.
+    """The guards of all modes at the end of a step, each with its change of mode.
 
-    A guard below 0 says that the mode of the step's start does not fit any more.
+    A guard below 0 means that the mode of the start of the step is not valid any more.
     """
     world = motion.world
     pairs = range(len(world.pairs))
@@ -223,14 +226,14 @@ def margins(motion: Moving, before: State, after: State, load: Loads, h: Number)
 def _contact_margins(
     motion: Moving, before: State, after: State, load: Loads, number: int, h: Number
 ) -> Margins:
-    """The guards of a pair: it parts (contact), it ceases to press (press), its tangential spring
-    comes to its limit or leaves it (slide).
+    """The guards of a pair: the contact ends (contact), the normal force changes its sign (press),
+    or the tangential spring reaches Coulomb's limit or leaves it (slide).
     """
     acts, push = contact_guards(motion, after, number)
     if not before.acting[number]:
         return [(-acts, ("contact", number))]
     guards: Margins = [(acts, ("contact", number))]
-    # "press" and "slide" mean nothing for a pair that parts or has no friction.
+    # "press" and "slide" do not apply to a contact that ends or has no friction.
     if acts < 0 or not motion.world.law.friction > 0:
         return guards
     if before.pressing[number]:
@@ -248,7 +251,9 @@ def _contact_margins(
 
 
 def _stop_margins(motion: Moving, before: State, after: State) -> Margins:
-    """How far every slider is from its stop, and from letting go."""
+    """The guards of sliders: the slip velocity of one that slips, and +-1 for one that sticks or
+    is released.
+    """
     guards: Margins = []
     for number, slider in enumerate(motion.world.sliders):
         side = before.side[number]
@@ -268,7 +273,10 @@ def least(guards: Margins) -> Number:
 
 
 def _meet_or_part(motion: Moving, state: State, number: int) -> None:
-    """A pair that does not act begins to; one that acts ends."""
+    """Begins or ends the contact of a pair, with its event.
+
+    A contact that ends at an overlap d > 0 loses its stored energy, which is added to the work.
+    """
     _, depth, _, _ = meeting(motion.world, state, motion.parts, number)
     begins = not state.acting[number]
     if begins:
@@ -286,28 +294,28 @@ def _meet_or_part(motion: Moving, state: State, number: int) -> None:
 
 
 def _press_or_lift(motion: Moving, state: State, number: int) -> None:
-    """A pair whose force begins or ceases to press starts with a new tangential spring."""
+    """Changes the sign of the normal force of a pair, whose tangential spring is reset to 0."""
     state.pressing[number] = not state.pressing[number]
     state.stretch[number] = ZERO
 
 
 def _slide_or_stick(motion: Moving, state: State, number: int) -> None:
-    """A tangential spring comes to Coulomb's limit, or leaves it."""
+    """Changes a tangential spring between sticking and sliding at Coulomb's limit."""
     state.sliding[number] = not state.sliding[number]
 
 
 def _turn_wedge(motion: Moving, state: State, number: int) -> None:
-    """A wedge that has come to its stop in a wall turns round."""
+    """Rotates a wedge that has come to rest in a wall by pi."""
     positional.turned(motion.world, state, motion.parts, number)
 
 
 def _pass_edge(motion: Moving, state: State, number: int) -> None:
-    """A force has a corner here, and a step ends; nothing else changes."""
+    """Changes nothing: a step ends here because the force has a kink."""
 
 
 def _stop_slider(motion: Moving, state: State, number: int) -> None:
-    """A slider is at rest: its slip is set to exactly 0, and it sticks or slips to where all else
-    pulls it.
+    """Stops a slider: its slip velocity is set to exactly 0, and it sticks or slips in the
+    direction of the other forces.
     """
     slider = motion.world.sliders[number]
     v = state.v[slider.a]
@@ -337,8 +345,8 @@ CHANGES: Mapping[str, Callable[[Moving, State, int], None]] = {
 
 
 def stored_energy(world: World, depth: Number) -> Number:
-    """Energy [J] of the normal spring at an overlap [m]; lost if the contact ends before the bodies
-    are apart.
+    """Energy k d^(n+1)/(n+1) [J] of the normal spring at an overlap d [m], which is lost if the
+    contact ends at this overlap.
     """
     # k d^(n+1)/(n+1), the work against k d^n.
     power = world.law.exponent + 1
@@ -352,8 +360,8 @@ def advance(
 ) -> tuple[State, Loads]:
     """One step of h [s], in pieces between changes of mode: the state and its loads at the end.
 
-    A trial step over the rest of h is accepted if all modes of its start still fit at its end.
-    Otherwise it is cut where the first of them has just ceased to fit, and that mode is changed.
+    A trial step over the rest of h is accepted if all guards are positive at its end. Otherwise it
+    is shortened to just beyond the first zero of a guard, and that mode is changed.
     """
     if motion.world.is_smooth:
         return step(motion, state, load, h)
@@ -376,8 +384,8 @@ def advance(
 
 
 class Cut(NamedTuple):
-    """Where a step ends early: after this part of it, in [0, 1], a mode has just ceased to fit; the
-    state there, and its guards.
+    """The end of a shortened step: the part of the step in [0, 1] just beyond the first zero of a
+    guard, the state there, and its guards.
     """
 
     part: float
@@ -393,7 +401,7 @@ def _cut(
     h: Number,
     end: tuple[State, Margins],
 ) -> Cut:
-    """Where a step of h [s] is to be cut, from the state and the guards at its end."""
+    """The point at which a step of h [s] is divided, from the state and the guards at its end."""
     end_state, end_guards = end
 
     def margin(part: float) -> float:
@@ -429,16 +437,16 @@ def sign_change(
     high = 1.0
     above = max(first, positional.TINY)
     below = last
-    # The next interval may be as wide at most, twice as wide as that of bisection: no more than one
-    # evaluation is lost.
+    # Largest allowed width of the next interval, twice that of bisection: at most one evaluation
+    # more than bisection is needed.
     allowed_width = 1.0
     while high - low > 2 * resolution:
         middle = (low + high) / 2
         width = high - low
         # Interpolate: the zero of the chord through both ends.
         chord = (below * low - above * high) / (below - above)
-        # Truncate: move it towards the middle by k1 width^k2, at least by the resolution, so that a
-        # chord that creeps along one end comes to the other side of the zero.
+        # Truncate: move it towards the middle by k1 width^k2, but at least by the resolution, so
+        # that the next point is on the other side of the zero if the chord converges from one side.
         shift = max(0.2 * width * width, resolution)
         side = -1.0
         if middle > chord:
@@ -446,12 +454,13 @@ def sign_change(
         truncated = middle
         if shift <= abs(middle - chord):
             truncated = chord + side * shift
-        # Project: stay as near to the middle as the allowed width demands.
+        # Project: |part - middle| <= allowed_width - width/2, so that neither interval is wider
+        # than allowed.
         radius = allowed_width - width / 2
         part = truncated
         if abs(truncated - middle) > radius:
             part = middle - side * radius
-        # Rounding may have put it on an end.
+        # Rounding may have moved it to an end.
         if not low < part < high:
             part = middle
         if not low < part < high:

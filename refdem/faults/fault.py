@@ -1,5 +1,5 @@
-"""A fault: what is wrong, where it acts, and which quantity of which check must see it; and any
-engine that carries one.
+"""A fault: what is wrong, on which settings it acts, and the quantity of the check that must detect
+it; and an engine into which it is planted.
 """
 
 from collections.abc import Callable, Mapping
@@ -20,10 +20,11 @@ Inside = Callable[[Parts], Mapping[str, Any]]
 class Fault:
     """One known fault. Exactly one of `before`, `after` and `inside` says what is wrong.
 
-    before(request) changes the question, after(request, trajectory) the answer; inside(sound parts)
-    gives the faulty parts by name, anew for every engine, so that what they remember is their own.
-    `on` names the settings on which it acts with `method` of the transparent engine, `sees` the
-    (check, quantity) that must fail there; `levels` is how many levels of refinement that needs.
+    before(request) changes the request, after(request, trajectory) the trajectory. inside(parts)
+    gives the faulty parts by name, and is called for every engine, so that engines do not share the
+    memory of parts. `on` names the settings on which the fault acts with `method` of the
+    transparent engine, `sees` the (check, quantity) that must fail there, and `levels` the number
+    of refinement levels that this needs.
     """
 
     name: str
@@ -53,7 +54,7 @@ class Fault:
 
 
 class Carrier(Engine):
-    """An engine whose requests or trajectories are spoiled on the way."""
+    """An engine whose requests or trajectories are changed by a fault."""
 
     def __init__(self, engine: Engine, fault: Fault) -> None:
         self.engine = engine
@@ -84,7 +85,7 @@ class Carrier(Engine):
         return self.engine.unsupported(problem, method)
 
     def run(self, request: Request) -> tuple[Trajectory, Cost]:
-        """The run, spoiled before or after."""
+        """The run of the engine, with the request or the trajectory changed by the fault."""
         if self.fault.before:
             asked = self.fault.before(request)
         else:

@@ -1,5 +1,5 @@
-"""Constraints of the transparent engine: rods, hooks that catch, strings over wheels of no size,
-and bodies on ball joints.
+"""Constraints of the transparent engine: rods, hooks that catch, strings over wheels without
+radius, and bodies on ball joints.
 """
 
 from typing import Any
@@ -14,19 +14,19 @@ from refdem.scene.elements.rod import Rod
 from refdem.scene.elements.string_over_wheel import StringOverWheel
 
 SWEEPS = 60
-"""Sweeps over the rods and strings at most. Rods that share a body disturb each other, so that one
-sweep holds them to a part only; a chain of a few rods ends at ENOUGH long before.
+"""Largest number of sweeps over rods and strings. Rods that share a body are coupled, so that one
+sweep satisfies them only in part; a chain of a few rods reaches ENOUGH in far fewer sweeps.
 """
 ENOUGH = {True: 2e-16, False: 1e-7}
-"""What a sweep in double (True) or single precision may leave, relative to lengths and speeds."""
-NEAR = {True: 1e-9, False: 1e-5}
-"""Relative distance beyond a hook's reach that rounding in double (True) or single precision may
-make of the reach.
+"""Residual, relative to lengths and speeds, at which sweeps end in double (True) or single
+precision.
 """
+NEAR = {True: 1e-9, False: 1e-5}
+"""Relative rounding of a hook's reach in double (True) or single precision."""
 
 
 def line_caught(hook: Catch, distance: Number, near: float) -> Number:
-    """Length [m] of the line between hook and body from closest approach on; 0 if it is out of
+    """Length [m] of the line between hook and body at closest approach; 0 beyond the hook's
     reach.
     """
     if distance <= hook.radius * (1 + near):
@@ -35,12 +35,14 @@ def line_caught(hook: Catch, distance: Number, near: float) -> Number:
 
 
 def string_excess(string: StringOverWheel, length: Number, now: Number) -> Number:
-    """The length [m] by which a string is too short to reach both bodies over the wheel."""
+    """The excess [m] of the sum `now` of the distances of both bodies from the wheel over the
+    length of the string.
+    """
     return now - length
 
 
 def string_speed(string: StringOverWheel, out_a: Number, out_b: Number) -> Number:
-    """Rate [m/s] at which the bodies leave the wheel."""
+    """Rate [m/s] of the sum of the distances of both bodies from the wheel."""
     return out_a + out_b
 
 
@@ -58,7 +60,7 @@ CORRECT_HOLDING = HoldingParts(
 
 
 def turned_at_joints(world: World, state: State, parts: Parts, total: Loads, *_: Any) -> None:
-    """Adds what the forces on bodies on joints do about their joints."""
+    """Adds the torques arm x F of all forces on bodies about their joints."""
     for joint in world.joints:
         i = joint.a
         arm = vec.times(-1.0, parts.to_space(state.q[i], joint.anchor_a))
@@ -67,8 +69,8 @@ def turned_at_joints(world: World, state: State, parts: Parts, total: Loads, *_:
 
 
 def follow(motion: Moving, state: State) -> State:
-    """The state with the centres of mass where their attitudes about the joints put them: r = joint
-    + arm, v = omega x arm.
+    """The state with positions and velocities of jointed bodies from their attitudes: r = joint +
+    arm, v = omega x arm.
     """
     if motion.world.joints:
         state.r = list(state.r)
@@ -84,7 +86,7 @@ def follow(motion: Moving, state: State) -> State:
 
 
 def rods_of(world: World, state: State) -> list[Rod]:
-    """Rods, and the lines to hooks that have caught."""
+    """Rods, and the lines to hooks that have caught a body."""
     if world.hooks:
         return [*world.rods, *(line for line in state.caught if line is not None)]
     return world.rods
@@ -105,7 +107,9 @@ def _ends(motion: Moving, rod: Rod, state: State) -> tuple[Vector, Vector, Numbe
 
 
 def _pull(motion: Moving, rod: Rod, state: State, along: Vector, amount: Number) -> None:
-    """Takes an impulse, `amount` times the vector `along`, from end a and gives it to end b."""
+    """Adds an impulse P = amount along to end b of a rod and its opposite to end a: v -= P/m_a, v
+    += P/m_b.
+    """
     a = rod.a
     b = rod.b
     state.v[a] = vec.moved(state.v[a], -amount / motion.world.mass[a], along)
@@ -127,7 +131,7 @@ def _sides(string: StringOverWheel, r: list[Vector]) -> list[tuple[int, Vector, 
 def _haul(
     motion: Moving, state: State, sides: list[tuple[int, Vector, Number]], amount: Number
 ) -> None:
-    """The string pulls both bodies to the wheel by an impulse [N s]."""
+    """Adds the impulse `amount` [N s] of a string on both bodies, towards the wheel."""
     for i, direction, _ in sides:
         state.v[i] = vec.moved(state.v[i], -amount / motion.world.mass[i], direction)
 
@@ -135,11 +139,11 @@ def _haul(
 def _hold_string(
     motion: Moving, string: StringOverWheel, length: Number, state: State, sides: Any, h: Number
 ) -> Number:
-    """Makes one Newton step for a string's length at the end of a drift of h; returns by how much
-    it was too long [m].
+    """Makes one Newton step for a string's length at the end of a drift of h, and returns the
+    excess of the length before it [m].
 
-    With the directions n_i from the wheel to the bodies now and n_i' at the end, an impulse P takes
-    h P sum n_i . n_i'/m_i from the length.
+    With the directions n_i from the wheel to the bodies at the start and n_i' at the end, an
+    impulse P reduces the length by h P sum n_i . n_i'/m_i.
     """
     drifted = [vec.moved(r, h, v) for r, v in zip(state.r, state.v, strict=True)]
     reached = _sides(string, drifted)
@@ -156,12 +160,13 @@ def hold_length(motion: Moving, before: State, state: State, h: Number) -> State
     """Velocities with which a drift of h ends at the lengths of rods and strings (RATTLE, Andersen
     1983).
 
-    Newton steps, rod by rod, with impulses along the rods of the start (`before`): each moves the
-    end of the drift to the rod's length, and sweeps go on until all hold.
+    Impulses act along the rods of the start (`before`). One Newton step for each rod makes the
+    length at the end of the drift correct to first order; sweeps over all rods are repeated until
+    every length is correct.
     """
     if not motion.tied:
         return state
-    # The rods, their directions at the start, and what a unit impulse changes: 1/m_a + 1/m_b.
+    # For each rod its vector at the start, and 1/m_a + 1/m_b.
     rods = []
     for rod in rods_of(motion.world, before):
         along, _, inverse_mass = _ends(motion, rod, before)
@@ -176,7 +181,7 @@ def hold_length(motion: Moving, before: State, state: State, h: Number) -> State
             reached = vec.moved(branch, h, relative)
             amount = motion.parts.rod_position(rod, reached, along, inverse_mass) / h
             _pull(motion, rod, state, along, amount)
-            # How much this rod was off, relative to its length.
+            # The error of the length before this step, relative to the length.
             largest = max(largest, abs(amount * h * inverse_mass))
         for (string, sides), length in zip(strings, motion.world.string_lengths, strict=True):
             largest = max(
@@ -188,11 +193,11 @@ def hold_length(motion: Moving, before: State, state: State, h: Number) -> State
 
 
 def hold_speed(motion: Moving, state: State) -> State:
-    """Velocities without a part along rods and strings, and as bodies turn about their joints."""
+    """The state without velocities along rods and strings, and with v = omega x arm on joints."""
     if not motion.tied:
         return state
     rods = rods_of(motion.world, state)
-    # One rod is held by one sweep; several pull at each other.
+    # A single rod needs one sweep; several rods are coupled.
     sweeps = len(rods)
     if len(rods) > 1:
         sweeps = SWEEPS
@@ -202,8 +207,8 @@ def hold_speed(motion: Moving, state: State) -> State:
             branch, relative, inverse_mass = _ends(motion, rod, state)
             amount = motion.parts.rod_velocity(rod, branch, relative, inverse_mass)
             _pull(motion, rod, state, branch, amount)
-            # The velocity along the rod that this sweep took away, relative to the speed; a body at
-            # rest has none to compare with.
+            # The velocity along the rod that this sweep removed, relative to the speed, or in m/s
+            # for a rod at rest.
             speed = vec.size(relative)
             if speed == 0:
                 speed = 1.0
@@ -213,7 +218,7 @@ def hold_speed(motion: Moving, state: State) -> State:
     for string in motion.world.strings:
         sides = _sides(string, state.r)
         out_a, out_b = (vec.dot(state.v[i], direction) for i, direction, _ in sides)
-        # An impulse P takes P (1/m_a + 1/m_b) from the rate at which the string lengthens.
+        # An impulse P reduces the rate of the length by P (1/m_a + 1/m_b).
         speed = motion.parts.holding.string_speed(string, out_a, out_b)
         inverse_mass = sum(1.0 / motion.world.mass[i] for i, _, _ in sides)
         _haul(motion, state, sides, speed / inverse_mass)
@@ -234,7 +239,7 @@ def rod_forces(motion: Moving, state: State) -> list[Number]:
 def margins(
     world: World, before: State, after: State, h: Number
 ) -> list[tuple[Number, tuple[str, int]]]:
-    """How far bodies are from closest approach to the hooks that may catch them."""
+    """Guards -r . v of bodies that approach a hook; negative after closest approach."""
     distances = []
     for number, hook in enumerate(world.hooks):
         was = _leaving(hook, before) * h
@@ -250,7 +255,7 @@ def _leaving(hook: Catch, state: State) -> Number:
 
 
 def catch(motion: Moving, state: State, number: int) -> None:
-    """A hook catches at closest approach what is in its reach."""
+    """Joins a body to a hook by a line, at closest approach, if it is within reach."""
     hook = motion.world.hooks[number]
     distance = vec.size(vec.minus(state.r[hook.a], hook.anchor_b))
     length = motion.parts.holding.line_caught(hook, distance, NEAR[motion.world.number is float])

@@ -1,8 +1,8 @@
-"""Impacts of the rigid law in the transparent engine: where spheres meet, they exchange an impulse;
-where a corner meets a plane without friction, it turns its body as well.
+"""Impacts of the rigid law in the transparent engine: of spheres with friction, and of a corner on
+a plane without friction.
 
 Notation: n is the unit normal from body i to body j or a plane, c the closing speed, s the slip of
-the points that touch, p and -k s the impulse along and across the normal on body i.
+the surfaces in contact. Body i gets the impulse -p n - k s.
 """
 
 from refdem.faults.loads import arm_of, meeting
@@ -48,7 +48,7 @@ def corner_torque(arm: Vector, impulse: Vector) -> Vector:
 
 
 def meets(closing: Number) -> bool:
-    """Spheres that touch meet if they close."""
+    """True if spheres that touch collide, because they close."""
     return bool(closing > 0)
 
 
@@ -62,15 +62,13 @@ CORRECT_IMPACTS = ImpactParts(
 )
 
 AS_DEEP = 1e-4
-"""Part of their distance from the centre by which corners of one edge may differ in depth: rounding
-in single precision.
-"""
+"""Relative difference of the depths of corners of one edge, by rounding in single precision."""
 APART = 1.0
-"""What stands for the margin of a pair that does not close."""
+"""Guard of a pair that does not close; any positive number."""
 
 
 def margin(motion: Moving, state: State, number: int, h: Number) -> Number:
-    """The gap [m] of a pair that closes: below 0 it has met."""
+    """The guard of a pair: its gap [m] if it closes, below 0 after the impact."""
     _, depth, rate, _ = meeting(motion.world, state, motion.parts, number)
     if motion.parts.impacts.meets(rate * h):
         return -depth
@@ -78,7 +76,7 @@ def margin(motion: Moving, state: State, number: int, h: Number) -> Number:
 
 
 def struck(motion: Moving, state: State, number: int) -> None:
-    """Makes the impact of pair `number`: changes velocities and spins, and adds the energy lost.
+    """Applies the impact of pair `number`: changes velocities and spins, and adds the energy lost.
 
     Body i gets the impulse P = -p n - k s, body j its reaction; the slip is s = v - (v . n) n +
     (R_i omega_i + R_j omega_j) x n. A plane (j < 0) does not move.
@@ -108,16 +106,16 @@ def struck(motion: Moving, state: State, number: int) -> None:
     _push(motion, state, i, normal, impulse, rubbing)
     if j >= 0:
         _push(motion, state, j, normal, parts.reaction(impulse), rubbing)
-    # What the kinetic energies lose is the work of the contact.
+    # The dissipated work is the loss of kinetic energy.
     state.work = state.work + before - _energy(motion, state, i) - _energy(motion, state, j)
     motion.events.append((state.t, "contact", i))
 
 
 def _struck_at_corner(motion: Moving, state: State, number: int) -> None:
-    """Makes the impact of a corner and a plane, whose impulse P = -p n turns the body by r x P.
+    """Applies the impact of a corner and a plane: v += P/m, J omega += r x P with P = -p n.
 
-    Corners that are as deep are one edge, which meets the plane in its middle; the second of them
-    does not close any more. In steps back in time what has met parts, as time is told forward.
+    Corners at equal depth belong to one edge, and the impulse acts at its middle. The second of
+    them does not close any more. In steps back in time the closing velocity has the opposite sign.
     """
     parts = motion.parts
     world = motion.world
@@ -131,9 +129,11 @@ def _struck_at_corner(motion: Moving, state: State, number: int) -> None:
         arm = arm_of(world, state, parts, other)
         if pair == world.pairs[number] and abs(other_depth - depth) < AS_DEEP * vec.size(arm):
             arms.append(arm)
+    # The mean of the arms of all corners of the edge.
     arm = vec.ZERO
     for each in arms:
         arm = vec.moved(arm, 1 / len(arms), each)
+    # p = (1 + e) c/(1/m + (r x n) . J^-1 (r x n)).
     lever = parts.to_body(state.q[i], vec.cross(arm, normal))
     inverse_mass = parts.impacts.corner_ease(1 / world.mass[i], lever, world.inertia[i])
     pressing = parts.impacts.normal_impulse(world.law, inverse_mass, closing)
@@ -154,7 +154,9 @@ def _turn_ease(motion: Moving, i: int) -> Number:
 def _push(
     motion: Moving, state: State, i: int, normal: Vector, impulse: Vector, rubbing: Vector
 ) -> None:
-    """v += P/m and J omega += R n x P_t: both bodies turn the same way."""
+    """Adds an impulse to a sphere: v += P/m, J omega += R n x P_t. The torque has the same
+    direction on both bodies.
+    """
     state.v[i] = motion.parts.kicked(state.v[i], impulse, motion.world.mass[i], 1.0)
     torque = motion.parts.torque_on(motion.world.radius[i], normal, rubbing)
     turning = motion.parts.to_body(state.q[i], torque)

@@ -1,5 +1,5 @@
-"""Maps in plain Python, to which faults are added: the logistic map and equation, Lorenz'
-equations, billiards bounce by bounce.
+"""Iterated maps in plain Python, into which faults are planted: the logistic map and equation,
+Lorenz' equations, billiards bounce by bounce.
 """
 
 from collections.abc import Callable
@@ -19,31 +19,33 @@ Pair = tuple[float, float]
 LORENZ_ORDER = 20
 """Order of the Taylor series of Lorenz' equations."""
 LORENZ_STEP = 1 / 64
-"""The longest step in their time: with steps of 1/32 the terms beyond the order were up to 600
-units in the last place, with these they are below one.
+"""Longest step of the series. The terms beyond the order are below one unit in the last place; with
+steps of 1/32 they are up to 600.
 """
 
 
 def logistic(x: float, eta: float) -> float:
-    """The next iterate of the map."""
+    """The next iterate of the logistic map: eta x (1 - x)."""
     return eta * x * (1.0 - x)
 
 
 def logistic_flow(x: float, eta: float) -> float:
-    """The state of the equation one unit of time later."""
+    """The solution of x' = eta x (1 - x) one unit of time later: x/(x + (1 - x) exp(-eta))."""
     return x / (x + (1.0 - x) * exp(-eta))
 
 
 def lorenz_rates(state: State, xy: float, xz: float, flow: LorenzFlow) -> State:
-    """The rates of x, y and z, from their values and the products x y and x z; or one coefficient
-    of the series of the rates, from that of the values and products.
+    """The rates of x, y and z, from their values and the products x y and x z.
+
+    x' = sigma (y - x), y' = rho x - x z - y, z' = x y - beta z. The rates are linear in these five
+    numbers, so that coefficients of series may take the place of values.
     """
     x, y, z = state
     return flow.sigma * (y - x), flow.rho * x - xz - y, xy - flow.beta * z
 
 
 def _cauchy(a: list[float], b: list[float]) -> float:
-    """The coefficient of the product of two series that belongs to the last of theirs."""
+    """Coefficient n of the product of two series with coefficients 0 to n: sum a_k b_(n-k)."""
     return sum(left * right for left, right in zip(a, reversed(b), strict=True))
 
 
@@ -75,17 +77,15 @@ def _lorenz_flow(state: State, flow: LorenzFlow, parts: "MapParts") -> State:
 
 
 def ahead(place: Pair, direction: Pair, table: Billiard) -> float:
-    """The distance to the straight wall that is met next; a fault that hits the wrong one flies
-    on.
-    """
+    """The distance along the path to the next straight wall, the smaller one of both axes."""
     to_side = _distance(place[0], direction[0], table.width / 2)
     to_end = _distance(place[1], direction[1], table.height / 2)
     return min(to_side, to_end)
 
 
 def _distance(x: float, u: float, half: float) -> float:
-    """The length of the path to the wall at `half` or -`half` of an axis along which the place is x
-    and the direction u; infinite for a path across the axis.
+    """The length of the path to the wall at +-`half` along one axis, from the coordinate x with the
+    direction cosine u; infinite for u = 0.
     """
     if not u:
         return inf
@@ -95,9 +95,7 @@ def _distance(x: float, u: float, half: float) -> float:
 
 
 def straight_normal(place: Pair, table: Billiard) -> Pair:
-    """The normal out of the table at a place on a straight wall: that of the wall it is nearest
-    to.
-    """
+    """The outward normal at a point on a straight wall, that of the nearest wall."""
     from_x = table.width / 2 - abs(place[0])
     from_y = table.height / 2 - abs(place[1])
     if from_x < from_y:
@@ -113,7 +111,7 @@ def _side(x: float) -> float:
 
 
 def centre(table: Billiard) -> float:
-    """Where on the x axis the half circle on the right has its centre."""
+    """The x coordinate of the centre of the right half circle, (width - height)/2."""
     return (table.width - table.height) / 2
 
 
@@ -124,7 +122,7 @@ def reflected(direction: Pair, normal: Pair) -> Pair:
 
 
 def settled(state: State) -> State:
-    """What is kept from one iterate to the next: all of it, directions of length 1."""
+    """The state from which the next iterate is computed, with the direction normalised."""
     has_direction = len(state) == 4
     if not has_direction:
         return state
@@ -189,12 +187,12 @@ def _next(state: State, rule: Any, parts: MapParts) -> State:
 
 def _bounce(place: Pair, direction: Pair, table: Billiard, parts: MapParts) -> tuple[Pair, Pair]:
     """The place on the wall that is met next, and the normal there."""
-    # Where the path meets the straight walls, prolonged.
+    # The point at which the path meets the straight walls or their extensions.
     distance = parts.ahead(place, direction, table)
     hit = (place[0] + distance * direction[0], place[1] + distance * direction[1])
     if isinstance(table, StadiumBilliard):
-        # Beyond the straight walls of a stadium the half circle of that side is met instead; a path
-        # along them never meets them.
+        # Beyond the ends of the straight walls of a stadium the path meets a half circle; a path
+        # parallel to the walls always does.
         centre = parts.centre(table)
         if abs(hit[0]) > centre or not direction[1]:
             return _on_arc(place, direction, table, centre * _side(hit[0]))
@@ -208,17 +206,17 @@ def _bounce(place: Pair, direction: Pair, table: Billiard, parts: MapParts) -> t
 
 
 def _on_arc(place: Pair, direction: Pair, table: Billiard, middle: float) -> tuple[Pair, Pair]:
-    """The place on the half circle about (middle, 0) that is met, and the normal there."""
+    """The point at which the path meets the half circle about (middle, 0), and the normal there."""
     r = table.height / 2
     x = place[0] - middle
     y = place[1]
     u, v = direction
-    # |(x, y) + s (u, v)| = r, the farther root: s^2 + 2 b s + c = 0 for a direction of length 1,
-    # b = x u + y v and c = x^2 + y^2 - r^2. Rounding may leave b^2 - c below 0 at a tangent.
+    # |(x, y) + s (u, v)| = r has the larger root s = -b + sqrt(b^2 - c) for a unit direction, with
+    # b = x u + y v and c = x^2 + y^2 - r^2. By rounding b^2 - c may be below 0 for a tangent.
     b = x * u + y * v
     c = x * x + y**2 - r * r
     s = -b + sqrt(max(0.0, b * b - c))
     n = ((x + s * u) / r, (y + s * v) / r)
-    # Back to length 1, so that the place lies on the circle to round-off.
+    # Normalised, so that the point is on the circle to round-off.
     n = (n[0] / hypot(*n), n[1] / hypot(*n))
     return (middle + r * n[0], r * n[1]), n

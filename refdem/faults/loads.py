@@ -1,4 +1,4 @@
-"""What acts on the bodies in a state: forces, torques, and how contacts stretch their springs.
+"""Loads on the bodies in a state: forces, torques, and the tangential springs of contacts.
 
 Notation of a contact of bodies i and j (or a plane): n the unit normal from i to j, d the overlap
 (`depth`), d' its rate, v = v_i - v_j, s the slip of the surfaces that touch, xi the tangential
@@ -66,11 +66,13 @@ def _contacts(
 
 
 def _sliders(world: World, state: State, parts: Parts, total: Loads, *_: Any) -> None:
-    """Adds the dry friction of sliders, last: one that sticks holds against all else."""
+    """Adds the dry friction of sliders. They come last, because a sticking slider balances all
+    other forces.
+    """
     for slider, side in zip(world.sliders, state.side, strict=True):
         speed = abs(parts.slides_at(slider, state.v[slider.a]))
         force = parts.slider_force(slider, side, speed)
-        # One that sticks takes back whatever acts along its axis.
+        # A sticking slider balances the component of all other forces along its axis.
         if side == 0:
             force = vec.times(-vec.dot(total.force[slider.a], slider.axis), slider.axis)
         total.force[slider.a] = vec.plus(total.force[slider.a], force)
@@ -87,7 +89,7 @@ SOURCES = {
     "joints": turned_at_joints,
     "sliders": _sliders,
 }
-"""What acts, by the names of what it comes from in a world, in the order in which it is added."""
+"""Functions that add loads, by the field of a world from which they come."""
 
 
 def _add(total: Loads, a: int, b: int, force: Vector, parts: Parts) -> None:
@@ -107,7 +109,7 @@ def meeting(
     """
     i, j = world.pairs[number]
     if world.corners[number] is not None:
-        # x = r + arm is the corner; d = (x - p) . n beyond the plane through p, d' = x' . n.
+        # Corner x = r + arm, x' = v + omega x arm; plane through p: d = (x - p) . n, d' = x' . n.
         arm = arm_of(world, state, parts, number)
         plane = world.planes[-1 - j]
         normal = vec.times(-1.0, plane.normal)
@@ -141,8 +143,8 @@ def arm_of(world: World, state: State, parts: Parts, number: int) -> Vector:
 
 
 def _corner(world: World, state: State, parts: Parts, total: Loads, number: int, h: Number) -> None:
-    """Adds force and torque on a corner that presses on a plane: sliding friction, no tangential
-    spring.
+    """Adds force and torque on a corner that presses on a plane: F = -F_n n - mu F_n s/|s|, without
+    tangential spring.
     """
     law = world.law
     i, j = world.pairs[number]
@@ -155,7 +157,7 @@ def _corner(world: World, state: State, parts: Parts, total: Loads, number: int,
         friction = parts.sliding_friction(law, push, slip, _stopping(world, i, j, h))
         force = vec.plus(force, friction)
         total.power = total.power - vec.dot(friction, slip)
-    # The dashpot c d' loses c d'^2.
+    # The dashpot dissipates the power c d'^2, and friction -f . s.
     total.power += law.damping * rate * rate
     total.force[i] = vec.plus(total.force[i], force)
     # The torque arm x F, in body axes.
@@ -183,7 +185,7 @@ def _sphere(
     normal, depth, rate, relative = meeting(world, state, parts, number)
     push = parts.normal_force(law, depth, rate)
     _add(total, i, j, vec.times(-push, normal), parts)
-    # The dashpot c d' loses c d'^2.
+    # The dashpot dissipates the power c d'^2.
     total.power += law.damping * rate * rate
     has_friction = law.friction > 0 and state.pressing[number]
     if not has_friction:
@@ -199,14 +201,14 @@ def _sphere(
     else:
         friction = parts.sliding_friction(law, push, slip, _stopping(world, i, j, h))
     _add(total, i, j, friction, parts)
-    # Friction and its torques lose -f.u, with the velocity u of the surfaces at the levers of the
-    # torque.
+    # Friction and its torques dissipate the power -f . u, where u is the slip computed with the
+    # levers of the torque.
     glide = slip
     if law.has_two_levers:
         arms = _arms(world, parts, number, depth, law.torque_shortening)
         glide = parts.slip(relative, _surface_spin(state, parts, arms), normal)
     total.power -= vec.dot(friction, glide)
-    # Both bodies turn the same way: the torque of the tangential force is arm n x F on each.
+    # The torque of the tangential force is arm n x F on each body, with the same direction.
     for body, arm in arms.items():
         torque = parts.to_body(state.q[body], parts.torque_on(arm, normal, friction))
         total.torque[body] = vec.plus(total.torque[body], torque)
@@ -240,7 +242,7 @@ def _stretch(
     h: Number,
     push: Number,
 ) -> Vector:
-    """The tangential spring (3) [m] of pair `number`: as it is in the state, or grown over a step
+    """The tangential spring (3) [m] of pair `number`: that of the state, or integrated over a step
     of h [s] from the loads `before`; at Coulomb's limit while the contact slides.
     """
     stretch = state.stretch[number]
@@ -266,26 +268,28 @@ def _grown(
     """
     normal = total.normal[number]
     slip = total.slip[number]
-    # Spring and slip of the start are turned into the tangent plane of the end.
+    # Spring and slip of the start are rotated into the tangent plane of the end.
     old_normal = before.normal[number]
     stretch = parts.transported(state.stretch[number], old_normal, normal)
     old_slip = parts.transported(before.slip[number], old_normal, normal)
+    # A spring that sticks grows by the slip. One at its limit that is shorter than the slip
+    # distance of a step takes the direction of the slip.
     if not state.sliding[number] or not vec.size(stretch) > abs(h) * vec.size(slip):
         return parts.stretched(stretch, old_slip, slip, h)
-    # At Coulomb's limit the spring turns with the slip, and its length is the limit's: taken midway
-    # between those of the start and of the end.
+    # At Coulomb's limit the spring keeps the length of the limit, and only the slip perpendicular
+    # to it changes its direction. Its length is the mean of those at the start and at the end.
     stretch = vec.times(0.5, vec.plus(stretch, parts.clipped(world.law, stretch, push)))
     across_spring = _turning(stretch, vec.plus(old_slip, slip), h)
     return parts.stretched(stretch, across_spring(old_slip), across_spring(slip), h)
 
 
 def _turning(stretch: Vector, slips: Vector, h: Number) -> Callable[[Vector], Vector]:
-    """What is left of a slip across a spring at its limit, which turns and does not grow; `slips`
-    is the sum of those at both ends of h.
+    """The component of a slip perpendicular to a spring at its limit, as a function of the slip;
+    `slips` is the sum of those at both ends of h.
 
-    The spring has the length of the middle of the step, and the slip is taken across its direction
-    there: with those of the start, the direction of friction would be of first order. A spring
-    shorter than the way of a step just points along it.
+    s - (s . xi) xi/|xi|^2, with xi at the middle of the step: xi + h/4 times the perpendicular
+    component of `slips`. With xi at the start the direction of friction would be of first order
+    only.
     """
 
     def across(spring: Vector, slip: Vector) -> Vector:
@@ -296,14 +300,14 @@ def _turning(stretch: Vector, slips: Vector, h: Number) -> Callable[[Vector], Ve
 
 
 def _stopping(world: World, i: int, j: int, h: Number) -> Number:
-    """The factor [kg/s] with which friction would undo the slip of two solid spheres in one
-    step: m_t/|h|, beyond all forces where there is no step.
+    """The factor m_t/|h| [kg/s]: friction m_t |s|/|h| would stop the slip s of solid spheres within
+    one step. It is larger than any force without a step, h = 0.
     """
     # 1/m_t = sum of 1/m + R^2/J = (1 + 5/2)/m over the bodies: J = (2/5) m R^2.
     inverse_mass = sum(3.5 / world.mass[body] for body in (i, j) if body >= 0)
     if h:
         return 1.0 / (abs(h) * inverse_mass)
-    # Larger than any force over a speed, in the numbers of this precision.
+    # A number larger than any force over a speed, in this precision.
     if world.number is float:
         return world.number(1e300)
     return world.number(1e30)

@@ -1,5 +1,5 @@
-"""The numbers of a scene, and each of them misread by a factor: mass, inertia, radius, start, and
-every number of an element.
+"""The numbers of a scene and the misreading of each by a factor: mass, inertia, radius, initial
+state, and every number of an element.
 """
 
 from collections.abc import Callable, Iterator
@@ -18,7 +18,9 @@ from refdem.scene.shapes import Shape
 NOT_FACTORS = frozenset({"a", "b", "axis", "normal"})
 """Fields of elements that name bodies or directions."""
 FEW_BODIES = 3
-"""Bodies up to which each has numbers of its own; those of more are misread all together."""
+"""Largest number of bodies whose numbers are misread one by one; those of more bodies are misread
+together.
+"""
 
 Misreading = Callable[[Request, float], Request]
 """From a request and a factor, the request with a number multiplied by that factor."""
@@ -26,15 +28,15 @@ Misreading = Callable[[Request, float], Request]
 
 @dataclass(frozen=True, kw_only=True)
 class Number:
-    """A number of a scene: its name for people, and how a request is misread in it."""
+    """A number of a scene: its name, and the function that misreads it in a request."""
 
     name: str
     misread: Misreading
 
 
 def numbers(scene: Scene) -> Iterator[Number]:
-    """Every number of a scene that may be misread by a factor. Those that are 0 are left out: no
-    factor changes them.
+    """Every number of a scene that may be misread by a factor, except those that are 0, which no
+    factor changes.
     """
     yield from _of_elements(scene)
     yield from _of_bodies(scene)
@@ -43,8 +45,8 @@ def numbers(scene: Scene) -> Iterator[Number]:
 
 
 def _of_elements(scene: Scene) -> Iterator[Number]:
-    """The numbers of elements; the lengths of rods are misread together, with the places that they
-    hold.
+    """The numbers of elements. The lengths of rods are left out: they are misread together with the
+    positions that they constrain.
     """
     kinds = [element.kind for element in scene.elements]
     for place, element in enumerate(scene.elements):
@@ -66,7 +68,7 @@ def _of_elements(scene: Scene) -> Iterator[Number]:
 
 
 def _of_bodies(scene: Scene) -> Iterator[Number]:
-    """The numbers of bodies: of each, or of all where they are more than FEW_BODIES."""
+    """The numbers of bodies: of each body, or of all if there are more than FEW_BODIES."""
     bodies = scene.bodies
     count = len(bodies)
     if count == 1:
@@ -148,11 +150,10 @@ def of_radii(request: Request, factor: float) -> Request:
 
 
 def of_lengths(request: Request, factor: float) -> Request:
-    """The request with all rods longer by a factor, and the bodies where longer rods hold them:
-    places relative to the anchor in the world, and velocities, grow by the same factor.
+    """The request with all rods multiplied by a factor, and with consistent initial states:
+    positions relative to the anchor in the world, and velocities, are multiplied by it too.
 
-    A body that hangs from no anchor of its own keeps its place relative to the first anchor, or to
-    the origin without one.
+    For a body without a rod to the world the first anchor is used, or the origin without any.
     """
     scene = request.problem.scene
     elements = tuple(

@@ -1,5 +1,5 @@
-"""An outline carried by a linear flow, in plain Python to which faults are added: x'' + 2 delta x'
-+ w0^2 x = 0, start by start.
+"""An outline carried by the linear flow x'' + 2 delta x' + w0^2 x = 0, start by start, in plain
+Python into which faults are planted.
 """
 
 from cmath import exp, sqrt
@@ -15,7 +15,8 @@ from refdem.scene.elements.spring import Spring
 
 
 def linear_flow(x: float, v: float, square: float, delta: float, t: float) -> tuple[float, float]:
-    """Place [m] and velocity [m/s] after t [s] of x'' + 2 delta x' + w0^2 x = 0; `square` is w0^2.
+    """Position [m] and velocity [m/s] after t [s] of x'' + 2 delta x' + w0^2 x = 0; `square` is
+    w0^2.
 
     x(t) = a exp(l1 t) + b exp(l2 t), whose real part is taken: the roots may be complex.
     """
@@ -32,7 +33,7 @@ def linear_flow(x: float, v: float, square: float, delta: float, t: float) -> tu
 
 
 def carried(problem: Ensemble, flow: Callable[..., Any]) -> Trajectory:
-    """`position` and `velocity` (T, M, 1, 3) of starts along x."""
+    """The trajectory of all starts along x, with `position` and `velocity` (T, M, 1, 3)."""
     scene = problem.scene
     mass = float(scene.bodies.mass[0])
     # w0^2 = k/m, 2 delta = c/m.

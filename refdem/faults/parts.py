@@ -1,8 +1,8 @@
 """The parts of the transparent engine by name and type: what its steps call, and what a fault
 replaces (`inside`).
 
-The modules of the engine know each other's functions through this record alone, so that any of
-them may be replaced. `sound.py` has the right ones.
+The modules of the engine call each other's functions only through this record, so that any of them
+can be replaced. `correct_parts.py` has the correct ones.
 """
 
 from collections.abc import Callable, Mapping
@@ -66,7 +66,7 @@ class RollingParts:
 
 @dataclass(frozen=True, kw_only=True)
 class TangentParts:
-    """The parts of a motion that is differentiated, by name."""
+    """The parts of the differentiated motion (`tangent.py`), by name."""
 
     time_to_impact: Callable[[Any], Any]
     time_left: Callable[[Any, Any], Any]
@@ -89,9 +89,11 @@ class LoadsOfState(Protocol):
 
 
 AxisTurn = Callable[[int, Vector, Vector, Quaternion, Number], tuple[Vector, Quaternion]]
-"""Of an axis, the moments of inertia, omega_body, the attitude and h: both turned."""
+"""From an axis, moments of inertia, omega_body, attitude and h: omega_body and attitude after the
+rotation.
+"""
 Located = Callable[[Callable[[float], float], float, float, float], float]
-"""Of a margin, its values at both ends and a resolution: where it falls below 0."""
+"""From a guard, its values at both ends and a resolution: the point at which it falls below 0."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -152,12 +154,12 @@ class Parts:
 
 
 Step = Callable[["Moving", State, Loads, Number], tuple[State, Loads]]
-"""One step of a method from a state with its loads; the state at its end with those there."""
+"""One step of a method: from a state and its loads to the state and the loads at its end."""
 
 
 class Moving:
-    """A world, the parts that move it, the sense of time (1, or -1 for steps back), and the events
-    so far: time, kind, body.
+    """A world, the parts of the engine, the direction of time (1, or -1 for steps back), and the
+    events so far: time, kind, body.
     """
 
     def __init__(self, world: World, parts: Parts, sense: float = 1.0) -> None:

@@ -1,4 +1,4 @@
-"""Parts of the transparent engine for forces that place and orientation choose."""
+"""Parts of the transparent engine for forces that depend on position and orientation piecewise."""
 
 from typing import Any
 
@@ -12,26 +12,30 @@ from refdem.scene.elements.wedge import Wedge
 
 EDGE = (0.0, 1.0, 0.0)
 TINY = 5e-324
-"""What stands for a margin that is used up at 0."""
+"""A guard of -TINY stands for one that is exactly 0 and counts as negative."""
 HALF_TURN: Quaternion = (0.0, 0.0, 0.0, 1.0)
 
 
 def field_force(field: PiecewiseField, s: Number) -> Number:
-    """F [N] along the axis at s [m]."""
+    """F(s) [N] along the axis (1.139): k1 (s - x1) for x1 < s <= 0, k2 (s - x2) for 0 < s < x2,
+    else 0.
+    """
     if s <= 0:
         return field.k1 * max(s - field.x1, 0.0)
     return field.k2 * min(s - field.x2, 0.0)
 
 
 def wedge_force(wall: Wedge, depth: Number, edge_first: bool, rate: Number) -> Number:
-    """Force [N] along the normal on a body that presses; its rate says nothing."""
+    """Force [N] along the normal on a body that presses: k2 d^2 edge first, else k1 d, for any
+    rate.
+    """
     if edge_first:
         return wall.quadratic * depth * depth
     return wall.stiffness * depth
 
 
 def wedge_energy(wall: Wedge, depth: Number, edge_first: bool) -> Number:
-    """The potential energy [J] stored in the wall."""
+    """The potential energy [J] stored in the wall: k2 d^3/3 edge first, else k1 d^2/2."""
     if edge_first:
         return wall.quadratic * depth * depth * depth / 3
     return wall.stiffness * depth * depth / 2
@@ -43,8 +47,8 @@ CORRECT_POSITIONAL = PositionalParts(field_force=field_force, wedge_force=wedge_
 def force_of_fields(
     world: World, state: State, parts: Parts, i: int, total: Loads | None = None
 ) -> Vector:
-    """The force (3) [N] of all fields on body i; the power of those that have no potential leaves
-    the motion in `total`.
+    """The force (3) [N] of all fields on body i. The power of those without a potential is
+    subtracted from the lost power in `total`.
     """
     sum_of_forces = vec.ZERO
     for field in world.fields:
@@ -59,13 +63,13 @@ def force_of_fields(
 
 
 def rounded(force: Vector, world: World) -> Vector:
-    """The force in the precision of the world."""
+    """The force rounded to the precision of the world."""
     x, y, z = force
     return world.number(x), world.number(y), world.number(z)
 
 
 def pushed_by_fields(world: World, state: State, parts: Parts, total: Loads, *_: Any) -> None:
-    """Adds the forces of the fields to those found."""
+    """Adds the forces of piecewise linear fields on all bodies that are not fixed."""
     for i, fixed in enumerate(world.fixed):
         if fixed:
             continue
@@ -76,7 +80,7 @@ def pushed_by_fields(world: World, state: State, parts: Parts, total: Loads, *_:
 
 
 def pushed_by_walls(world: World, state: State, parts: Parts, total: Loads, *_: Any) -> None:
-    """Adds the forces of walls for wedges."""
+    """Adds the forces of walls on wedges."""
     for wall, i in pairs(world):
         depth, rate, edge = approach(wall, state, parts, i)
         if depth > 0:
@@ -85,16 +89,16 @@ def pushed_by_walls(world: World, state: State, parts: Parts, total: Loads, *_: 
 
 
 def approach(wall: Wedge, state: State, parts: Parts, i: int) -> tuple[Number, Number, bool]:
-    """Overlap, its rate, and whether the edge looks at the wall."""
+    """Overlap [m], its rate [m/s], and True if the edge points at the wall."""
     depth = vec.dot(vec.minus(wall.point, state.r[i]), wall.normal)
     rate = -vec.dot(state.v[i], wall.normal)
     return depth, rate, bool(vec.dot(parts.to_space(state.q[i], EDGE), wall.normal) < 0)
 
 
 def _edge_margin(was: Number, now: Number) -> Number:
-    """How far a step that begins on one side of an edge stays from it: below 0 beyond it.
+    """The guard of an edge of a force: positive as long as a step stays on the side of its start.
 
-    A step that ends on the edge has crossed it if it began above.
+    A step that ends exactly on the edge has crossed it if it began above.
     """
     if was > 0:
         return now or -TINY
@@ -104,8 +108,8 @@ def _edge_margin(was: Number, now: Number) -> Number:
 def margins(
     world: World, before: State, after: State, parts: Parts, h: Number
 ) -> list[tuple[Number, tuple[str, int]]]:
-    """How far a step stays from the next edge of a field or of a wall, and bodies that press on a
-    wall from coming to a stop in it.
+    """Guards of the edges of fields and walls, and of the closing velocity of bodies that press on
+    a wall, which vanishes at their greatest overlap.
     """
     sides = zip(edges(world, before, parts), edges(world, after, parts), strict=True)
     distances = [(_edge_margin(was, now), ("edge", 0)) for was, now in sides]
@@ -118,7 +122,7 @@ def margins(
 
 
 def edges(world: World, state: State, parts: Parts) -> list[Number]:
-    """How far beyond every edge every body is: a force has a corner there."""
+    """The signed distance [m] of every body from every edge, at which a force has a kink."""
     places = [
         (vec.dot(vec.minus(r, field.point), field.axis), field)
         for field in world.tents
@@ -129,7 +133,9 @@ def edges(world: World, state: State, parts: Parts) -> list[Number]:
 
 
 def turned(world: World, state: State, parts: Parts, number: int) -> None:
-    """Turns a wedge by pi about its z axis; what the wall holds less by that is lost."""
+    """Rotates a wedge by pi about its z axis; the decrease of the energy stored in the wall is
+    lost.
+    """
     wall, i = pairs(world)[number]
     depth, _, edge = approach(wall, state, parts, i)
     state.q[i] = vec.product(state.q[i], HALF_TURN)
@@ -137,5 +143,5 @@ def turned(world: World, state: State, parts: Parts, number: int) -> None:
 
 
 def pairs(world: World) -> list[tuple[Wedge, int]]:
-    """Every wall for wedges with every body that it can press."""
+    """Pairs of every wall for wedges and every body that is not fixed."""
     return [(wall, i) for wall in world.walls for i, fixed in enumerate(world.fixed) if not fixed]

@@ -1,5 +1,5 @@
-"""Dry friction regularised by tanh(u/SLOW), as a fault: it vanishes at slip velocity u = 0, where
-Sgn(0) = [-1, 1] demands that a body may stick.
+"""Dry friction regularised by tanh(u/SLOW), as a fault: it vanishes at the slip velocity u = 0,
+where Sgn(0) = [-1, 1] allows a body to stick.
 """
 
 from collections.abc import Callable
@@ -12,7 +12,7 @@ from refdem.mechanics import vectors as vec
 from refdem.scene.elements.slider import Slider
 
 SLOW = 2.0**-6
-"""Slip velocity [m/s] below which regularised friction fades."""
+"""Slip velocity [m/s] below which the regularised friction decreases."""
 Slip = Callable[[Parts, Slider, Any], Any]
 Coefficient = Callable[[Slider, Any], Any]
 
@@ -33,6 +33,7 @@ def regularised(
         without_sides.side = []
         total = sound.loads(replace(world, sliders=[]), without_sides, parts, before, h)
         for slider in world.sliders:
+            # F = -mu(u) N tanh(u/SLOW).
             u = slip(parts, slider, state.v[slider.a])
             force = -coefficient(slider, u) * slider.normal_force * tanh(u / SLOW)
             total.force[slider.a] = vec.moved(total.force[slider.a], force, slider.axis)

@@ -1,8 +1,8 @@
-"""A rigid sphere that lies on a plane in the transparent engine: it slides, or it rolls.
+"""A rigid sphere that lies on a plane in the transparent engine, and slides or rolls.
 
-Notation: n is the unit normal into the plane, s the slip of the point that touches, F friction, N
-the force of the plane. The direction of the slip is a mode: it is kept where a pair under another
-law has its tangential spring (`State.stretch`), as a unit vector, and is 0 while the sphere rolls.
+Notation: n is the unit normal into the plane, s the slip of the point of contact, F friction, N the
+normal force of the plane. The direction of the slip belongs to the mode. `State.stretch`, which for
+other laws is the tangential spring, holds it as a unit vector; it is 0 while the sphere rolls.
 """
 
 from typing import Any
@@ -20,30 +20,31 @@ NEAR = {True: 1e-12, False: 1e-5}
 
 
 def pressing(force: Vector, normal: Vector) -> Number:
-    """N [N], which balances the other forces across the plane."""
+    """N = F_other . n [N], which balances the other forces normal to the plane."""
     return vec.dot(force, normal)
 
 
 def rubbing(law: Contact, force: Number, direction: Vector) -> Vector:
-    """F = mu N [N] against the slip."""
+    """F = -mu N s/|s| [N], with the unit `direction` s/|s|."""
     return vec.times(-law.friction * force, direction)
 
 
 def holding(along: Vector, inverse_mass: Number, turn: Number) -> Vector:
     """F [N] with which the slip stays 0 while the force `along` [N] acts at the centre.
 
-    s' = (along + F)/m + F R^2/J = 0; `inverse_mass` is 1/m, `turn` R^2/J.
+    s' = (along + F)/m + F R^2/J = 0, so that F = -along (1/m)/(1/m + R^2/J); `inverse_mass` is 1/m,
+    `turn` R^2/J.
     """
     return vec.times(-inverse_mass / (inverse_mass + turn), along)
 
 
 def grips(law: Contact, force: Number, needed: Number) -> bool:
-    """Coulomb's limit lets friction be as large as rolling needs it [N], with a force N."""
+    """True if rolling needs a friction of at most mu N [N]; `force` is N."""
     return bool(needed <= law.friction * force)
 
 
 def slips_on(slip: Vector, direction: Vector) -> Number:
-    """The slip [m/s] along the direction in which it began: below 0 it has ended."""
+    """The slip [m/s] along its initial direction, negative after the slip has ended."""
     return vec.dot(slip, direction)
 
 
@@ -60,7 +61,7 @@ def normal_of(world: World, number: int) -> Vector:
 
 
 def slip_of(world: World, state: State, parts: Parts, number: int) -> Vector:
-    """The velocity (3) [m/s] of the point that touches the plane."""
+    """The velocity (3) [m/s] of the point of contact: v - (v . n) n + R omega x n."""
     i, _ = world.pairs[number]
     spin = vec.times(world.radius[i], parts.to_space(state.q[i], state.w[i]))
     return parts.slip(state.v[i], spin, normal_of(world, number))
@@ -69,7 +70,7 @@ def slip_of(world: World, state: State, parts: Parts, number: int) -> Vector:
 def needed_of(
     world: World, parts: Parts, number: int, force: Vector
 ) -> tuple[Number, Vector, Vector]:
-    """N, the other forces along the plane, and the friction that rolling needs [N]."""
+    """N, the other forces along the plane, and the friction that rolling requires [N]."""
     i, _ = world.pairs[number]
     normal = normal_of(world, number)
     push = parts.rolling.pressing(force, normal)
@@ -80,7 +81,7 @@ def needed_of(
 
 
 def carried(world: World, state: State, parts: Parts, total: Loads, *others: Any) -> None:
-    """Adds what the plane does to a sphere that lies on it: force, friction and torque."""
+    """Adds the normal force, friction and its torque of the plane on a sphere that lies on it."""
     for number in world.lying:
         i, _ = world.pairs[number]
         normal = normal_of(world, number)
@@ -91,7 +92,8 @@ def carried(world: World, state: State, parts: Parts, total: Loads, *others: Any
             total.power -= vec.dot(friction, total.slip[number])
         else:
             friction = needed
-        # The plane balances what presses, whatever friction is made of.
+        # The plane balances the normal component of all other forces, whatever N a faulty part of
+        # the friction uses.
         support = vec.times(-vec.dot(total.force[i], normal), normal)
         total.force[i] = vec.plus(total.force[i], vec.plus(support, friction))
         torque = parts.torque_on(world.radius[i], normal, friction)
@@ -99,8 +101,8 @@ def carried(world: World, state: State, parts: Parts, total: Loads, *others: Any
 
 
 def first_mode(motion: Moving, state: State, number: int) -> None:
-    """A sphere slides from the start if the point that touches slips, or if friction cannot hold
-    it.
+    """Sets the mode at the start: the sphere slides if the point of contact slips, or if rolling
+    needs more than Coulomb's limit.
     """
     i, _ = motion.world.pairs[number]
     slip = slip_of(motion.world, state, motion.parts, number)
@@ -113,7 +115,9 @@ def first_mode(motion: Moving, state: State, number: int) -> None:
 
 
 def margin(motion: Moving, state: State, number: int) -> Number:
-    """What is left of a slip [m/s]; 1 for a sphere that rolls, on which nothing changes."""
+    """The guard of sliding, s along its initial direction [m/s]; 1 for a sphere that rolls, whose
+    mode does not end.
+    """
     if not state.sliding[number]:
         return 1.0
     slip = slip_of(motion.world, state, motion.parts, number)
@@ -121,7 +125,7 @@ def margin(motion: Moving, state: State, number: int) -> Number:
 
 
 def ended(motion: Moving, state: State, number: int) -> None:
-    """Where the slip has ended the sphere rolls, or slides on down the slope."""
+    """Sets the mode after the end of the slip: the sphere rolls, or slides on down the slope."""
     i, _ = motion.world.pairs[number]
     _released(motion, state, number)
     if not state.sliding[number]:
@@ -129,7 +133,7 @@ def ended(motion: Moving, state: State, number: int) -> None:
 
 
 def _released(motion: Moving, state: State, number: int) -> None:
-    """The mode of a sphere whose point of contact is at rest."""
+    """Sets the mode of a sphere whose point of contact is at rest."""
     i, _ = motion.world.pairs[number]
     weight = force_of_fields(motion.world, state, motion.parts, i)
     push, along, needed = needed_of(motion.world, motion.parts, number, weight)

@@ -1,8 +1,8 @@
-"""Settings for faults to act on: cases with random parameters, drawn by a seed inside sensible
-bounds, all of them dyadic.
+"""Settings on which faults act: cases with random dyadic parameters, drawn within bounds from a
+seed.
 
-Each is a short motion (about eight shortest times), so that faults x settings x seeds fit into
-minutes.
+Each is a short motion of about eight shortest times, so that all faults on all settings and seeds
+take minutes.
 """
 
 from collections.abc import Mapping
@@ -28,8 +28,8 @@ from refdem.faults.draws import (
 class Setting:
     """A case with random parameters.
 
-    `methods` are those of the transparent engine that run it, or of another `engine` where that has
-    elements which the transparent one has not; truth is withheld unless `proved`.
+    `methods` are those of the transparent engine that run it, or of another `engine` if the
+    transparent one lacks an element of the scene. The checks get no truth unless `proved`.
     """
 
     case: str
@@ -44,8 +44,8 @@ class Setting:
 
 
 def middle_amplitude(drive: float) -> complex:
-    """The middle of three complex amplitudes A that harmonic balance has under 3/2 cos(w t) at the
-    case's own spring, where x = Re(A exp(i w t)) (1.120).
+    """The middle one of the three complex amplitudes A of harmonic balance for the case's own
+    spring under the drive 3/2 cos(w t), with x = Re(A exp(i w t)) (1.120).
 
     S = |A|^2 solves h^2 S^3 + 2 h g S^2 + (g^2 + 4 delta^2 w^2) S = f0^2, g = alpha - w^2.
     """
@@ -53,11 +53,12 @@ def middle_amplitude(drive: float) -> complex:
     g = alpha - drive**2
     roots = np.roots([h * h, 2 * h * g, g * g + (2 * delta * drive) ** 2, -force * force])
     _, middle, _ = sorted(roots.real)
+    # A = f0/(g + h S + 2 i delta w).
     return force / complex(g + h * middle, 2 * delta * drive)
 
 
 def lasting(duration: str, samples: str) -> Rows:
-    """How long [s], and with how many samples."""
+    """Rows for the duration [s] and the number of samples."""
     return (("duration", duration), ("samples", samples))
 
 
@@ -68,7 +69,9 @@ TUMBLER: Rows = (
     ("inertia", box_moments),
     *lasting("6", "32"),
 )
-"""Three moments of inertia, a spin about no axis in particular, any attitude."""
+"""A free body with three different moments, an angular velocity along no principal axis, and any
+attitude.
+"""
 FLIPPER: Rows = (
     ("offset", between(1 / 16, 1 / 8, 128)),
     ("direction", either("1", "3")),
@@ -102,7 +105,7 @@ CIRCLER: Rows = (
     ("thetadot0", signed(4, 5)),
     *lasting("2", "32"),
 )
-"""A pendulum that goes round."""
+"""A pendulum that rotates over the top."""
 ABOVE: Rows = (
     ("length", between(0.75, 1.5, 64)),
     ("gravity", between(4, 8, 64)),
@@ -112,27 +115,27 @@ ABOVE: Rows = (
 )
 """A pendulum that leaves its upper equilibrium."""
 BELOW: Rows = (*ABOVE, ("position", "bottom"), *lasting("4", "32"))
-"""A pendulum next to its lower one."""
+"""A pendulum near its lower equilibrium."""
 CHAIN: Rows = (
     ("theta0", listed(*2 * [signed(0.5, 0.75, 64)])),
     ("masses", listed(between(2, 4, 64), between(0.25, 0.5, 64))),
     *lasting("3/2", "12"),
 )
-"""Two bobs on two rods, well below chaos."""
+"""A double pendulum at amplitudes well below chaos."""
 CHAOTIC_CHAIN: Rows = (
     ("theta0", "3,3"),
     ("thetadot0", listed(*2 * [signed(0, 0.125, 64)])),
     ("gravity", between(9, 10.5)),
     *lasting("5", "96"),
 )
-"""Two equal bobs on equal rods, as high as the case is known to be chaotic."""
+"""A double pendulum with equal bobs and rods, at angles at which it is known to be chaotic."""
 COUPLED: Rows = (
     ("theta0", listed(signed(0.5, 0.75, 64), signed(0.125, 0.25, 64))),
     ("masses", listed(between(2, 4, 64), between(0.5, 1, 64))),
     ("stiffness", between(4, 8, 64)),
     *lasting("3/2", "12"),
 )
-"""Two bobs on rods side by side, of other masses, on a spring that both feel."""
+"""Two pendulums of different masses, coupled by a spring."""
 TOP: Rows = (
     ("mass", between(0.75, 1.25, 64)),
     ("length", between(0.375, 0.5, 64)),
@@ -143,7 +146,7 @@ TOP: Rows = (
     ("inertia", listed(between(0.5, 0.625, 64), between(0.25, 0.375, 64))),
     *lasting("3/2", "12"),
 )
-"""A symmetric top that nutates as it goes round."""
+"""A symmetric top with nutation and precession."""
 CAPTURED: Rows = (
     ("speed", between(0.75, 1.25, 64)),
     ("radius", between(0.75, 1.25, 64)),
@@ -151,7 +154,7 @@ CAPTURED: Rows = (
     ("duration", computed(lambda drawn: 6 * drawn["radius"] / drawn["speed"])),
     ("samples", "32"),
 )
-"""A mass that flies past a hook, and half of a turn or more round it."""
+"""A mass that a hook catches, and half a revolution or more about it."""
 MACHINE: Rows = (
     ("mass", between(0.5, 1.5, 64)),
     ("counter_mass", computed(lambda drawn: 3 * drawn["mass"])),
@@ -163,7 +166,8 @@ MACHINE: Rows = (
     ("r0", between(1, 1.5, 64)),
     *lasting("1", "16"),
 )
-"""Swinging Atwood's machine in its integrable case: a wheel of no size, a mass of three pendulums.
+"""Swinging Atwood's machine in its integrable case: a wheel without radius, and a counterweight of
+three times the mass of the pendulum.
 """
 
 # Springs, dashpots, drives and dry friction.
@@ -187,13 +191,13 @@ FAR: Rows = (
     ("_away", signed(0.5, 1)),
     ("x0", computed(lambda drawn: 1024 + drawn["_away"])),
 )
-"""A mass that swings about a place that is 1000 times as far from the origin as it moves."""
+"""A mass that swings about a point 1000 times as far from the origin as its amplitude."""
 LONG_OSCILLATOR: Rows = (
     ("x0", between(0.5, 1.5, 64)),
     ("v0", between(-1, 1, 64)),
     *lasting("112", "64"),
 )
-"""A hundred shortest times and a few more, for exponents."""
+"""An oscillator over more than a hundred shortest times, for exponents of growth."""
 DRIVEN: Rows = (
     ("mass", between(1.5, 2)),
     ("stiffness", between(1, 2)),
@@ -209,7 +213,7 @@ HARDENING: Rows = (
     ("amplitude", signed(0.5, 1)),
     *lasting("6", "32"),
 )
-"""A spring with a cube."""
+"""A spring with a cubic term."""
 LOPSIDED: Rows = (
     ("eps", signed(0.125, 0.25)),
     ("x0", signed(0.5, 1)),
@@ -217,13 +221,13 @@ LOPSIDED: Rows = (
     ("f0", "0,0"),
     *lasting("6", "32"),
 )
-"""A spring with a square, let go, neither damped nor driven."""
+"""A spring with a quadratic term, released from rest, without damping and drive."""
 LOPSIDED_DOWN: Rows = (
     *LOPSIDED,
     ("_down", between(0.125, 0.25)),
     ("eps", computed(lambda drawn: -drawn["_down"])),
 )
-"""The same, with a square of negative factor."""
+"""The same with a negative quadratic coefficient."""
 MIXING: Rows = (
     ("eps", signed(0.125, 0.25)),
     ("delta", "1/4"),
@@ -232,8 +236,8 @@ MIXING: Rows = (
     ("x0", signed(0.125, 0.25)),
     *lasting("32", "64"),
 )
-"""A damped spring with a square under two drives, for so long that their sums and differences are
-told apart.
+"""A damped spring with a quadratic term under two drives, long enough to resolve the lines at sums
+and differences of their frequencies.
 """
 TRIPLING: Rows = (
     ("beta", between(0.25, 0.5, 64)),
@@ -243,7 +247,7 @@ TRIPLING: Rows = (
     ("x0", signed(0.125, 0.25)),
     *lasting("32", "64"),
 )
-"""A damped spring with a cube under a drive, for so long that its third harmonic is told apart."""
+"""A damped spring with a cubic term under a drive, long enough to resolve the third harmonic."""
 MIDDLE: Rows = (
     ("drive", between(112 / 64, 118 / 64, 64)),
     ("_balanced", computed(lambda drawn: middle_amplitude(float(drawn["drive"])))),
@@ -254,8 +258,8 @@ MIDDLE: Rows = (
     ),
     *lasting("12", "48"),
 )
-"""Duffing's oscillator under a drive between its folds, begun beside the middle amplitude of three,
-which it leaves.
+"""Duffing's oscillator under a drive between its folds, started near the middle one of three
+amplitudes, which is unstable.
 """
 STEEP: Rows = (
     ("mass", between(0.5, 2)),
@@ -263,21 +267,21 @@ STEEP: Rows = (
     ("amplitude", signed(0.5, 2)),
     *lasting("6", "32"),
 )
-"""A spring that pulls with the power 3/2 of its stretch."""
+"""A spring whose force is the power 3/2 of its stretch."""
 CYCLE: Rows = (
     ("mu", between(0.25, 0.5)),
     ("p", between(0.25, 0.5)),
     ("x0", between(1, 1.5)),
     *lasting("6", "24"),
 )
-"""Van der Pol's oscillator on the way to its cycle."""
+"""Van der Pol's oscillator as it approaches its limit cycle."""
 CYCLE_AND_DRIVE: Rows = (
     ("mu", "1/5"),
     ("p", between(0.0625, 0.09375, 256)),
     ("x0", "2"),
     *lasting("128", "256"),
 )
-"""Van der Pol's oscillator on its cycle, under a drive that is too weak to lock it."""
+"""Van der Pol's oscillator on its limit cycle, under a drive that is too weak to lock it."""
 RUBBING: Rows = (
     ("stiffness", between(0.75, 2)),
     ("_stretch", between(0.75, 1.5)),
@@ -289,8 +293,8 @@ RUBBING: Rows = (
     ("friction_force", computed(lambda d: d["stiffness"] * d["_stretch"] * d["_share"])),
     *lasting("20", "64"),
 )
-"""A mass on a spring that friction stops after two to four half cycles, well away from the edge
-between two numbers of them.
+"""A mass on a spring that friction stops after two to four half cycles, with parameters well away
+from those at which their number changes.
 """
 STICKING: Rows = (
     ("eta", between(1, 1.5)),
@@ -302,7 +306,7 @@ STICKING: Rows = (
     ("lambda1", "1/64"),
     *lasting("8", "32"),
 )
-"""A driven mass that a belt catches, carries and lets go again."""
+"""A driven mass on a belt that sticks and slips again."""
 
 # Fields.
 ORBIT: Rows = (
@@ -340,11 +344,11 @@ UNEQUAL: Rows = (
 )
 """Two unequal spheres."""
 KNOCK: Rows = (("damping", between(2, 4)), *UNEQUAL)
-"""Head-on, damped; the contact ends with the overlap."""
+"""A damped head-on collision whose contact ends at zero overlap."""
 PARTING: Rows = (*KNOCK, ("cutoff", "zero_force"))
-"""Head-on, damped; the contact ends when it would pull."""
+"""A damped head-on collision whose contact ends at zero force."""
 BOUNCE: Rows = (("damping", "0"), *UNEQUAL)
-"""Head-on, nothing is lost."""
+"""A head-on collision without damping."""
 SPINS = listed(*2 * [lambda rng, drawn: f"0,0,{between(-0.125, 0.125)(rng, drawn)}"])
 """Slow spins about z."""
 SCRAPE: Rows = (
@@ -356,13 +360,13 @@ SCRAPE: Rows = (
     ("spins", SPINS),
     *UNEQUAL,
 )
-"""Oblique with gross sliding; the lever arms add up to the distance."""
+"""An oblique collision with gross sliding; the levers add up to the distance of the centres."""
 SCRAPE_SHORT: Rows = (*SCRAPE, ("branch", "R-d"))
-"""The same with the radius less the overlap as lever arm."""
+"""The same with the radius minus the overlap as lever."""
 SCRAPE_TWO_LEVERS: Rows = (*SCRAPE, ("branch", "slip-R"))
 """The same with slip at the radius, and torque at the radius less half of the overlap."""
 BRISTLE: Rows = (*SCRAPE, ("damping", "0"), ("tangential_stiffness", between(80, 128, 1)))
-"""Gross sliding with a tangential spring that is at its limit from the start."""
+"""Gross sliding with a tangential spring that is at Coulomb's limit from the start."""
 STICKER: Rows = (
     *SCRAPE,
     ("tangential_stiffness", between(80, 128, 1)),
@@ -370,7 +374,7 @@ STICKER: Rows = (
     ("angle", "1/4"),
     ("damping", "0"),
 )
-"""Oblique; the tangential spring holds, then slides."""
+"""An oblique collision whose tangential spring sticks, then slides."""
 HOLD_TWO_LEVERS: Rows = (*STICKER, ("branch", "slip-R"))
 """The same with slip at the radius, and torque at the radius less half of the overlap."""
 GRIPPER: Rows = (*STICKER, ("spins", "0,0,1,0,0,3/4"))
@@ -390,7 +394,9 @@ SPINNER: Rows = (
     ("friction", between(0.0625, 0.125)),
     *UNEQUAL,
 )
-"""Head-on; sphere 2 spins so fast that it slides all the time, sphere 1 slowly the other way."""
+"""A head-on collision: sphere 2 spins so fast that it slides throughout, sphere 1 slowly in the
+opposite direction.
+"""
 SOFT: Rows = (
     ("_soft", between(2, 4)),
     ("_slow", between(0.75, 0.875)),
@@ -402,9 +408,9 @@ SOFT: Rows = (
     ("tangential_stiffness", computed(lambda drawn: drawn["_soft"] / 4)),
     ("closing_speed", computed(lambda drawn: drawn["_slow"])),
 )
-"""Gross sliding of soft spheres: the normal turns far while the tangential spring remembers."""
+"""Gross sliding of soft spheres, whose normal rotates far while the tangential spring acts."""
 SCRAPE_LONG: Rows = (*SOFT, ("branch", "R"), ("tangential_stiffness", "0"))
-"""Gross sliding of soft spheres with the radius as lever arm."""
+"""Gross sliding of soft spheres with the radius as lever."""
 ALONG_WALL: Rows = (
     ("member", "co-4"),
     ("tangential_stiffness", "0"),
@@ -412,7 +418,7 @@ ALONG_WALL: Rows = (
     ("angle", signed(0.875, 1.125)),
     ("samples", "16"),
 )
-"""A sphere that slides along a wall from its touch to its end, with neither spring nor rest."""
+"""A sphere that slides along a wall throughout its contact, without a tangential spring."""
 CLASH: Rows = (
     ("masses", unequal(0.75, 1.25)),
     ("radii", unequal(0.375, 0.625)),
@@ -422,9 +428,9 @@ CLASH: Rows = (
     ("offset", listed(signed(0.5, 0.625), between(-0.25, 0.25))),
     ("samples", "16"),
 )
-"""Two unequal rigid spheres that meet off their line, without friction."""
+"""An oblique collision of two unequal rigid spheres without friction."""
 ELASTIC: Rows = (*CLASH, ("restitution", "1"))
-"""The same, and they part as fast as they came."""
+"""The same without loss of energy."""
 SPUN_CLASH: Rows = (*CLASH, ("spins", listed(*6 * [signed(0.5, 1)])))
 """The same with spins about all axes."""
 RUB: Rows = (
@@ -432,9 +438,9 @@ RUB: Rows = (
     ("spins", listed(*6 * [signed(4 / 128, 8 / 128, 128)])),
     ("friction", between(4 / 256, 6 / 256, 256)),
 )
-"""Spins that do not stop the slip of the centres, and friction that is cut."""
+"""The same with slow spins, and friction at Coulomb's limit that does not stop the slip."""
 GRIP: Rows = (*SPUN_CLASH, ("friction", "8"), ("tangential_restitution", between(0.375, 0.625)))
-"""Friction that reverses a part of the slip."""
+"""The same with friction that reverses part of the slip."""
 REBOUND: Rows = (
     ("mass", between(0.75, 1.5)),
     ("restitution", between(0.5, 0.75)),
@@ -444,7 +450,7 @@ REBOUND: Rows = (
     ("friction", between(4 / 256, 6 / 256, 256)),
     ("samples", "16"),
 )
-"""A rigid sphere that slides along a wall while it meets it."""
+"""A rigid sphere that slides along a wall during its impact."""
 CORNER: Rows = (
     ("mass", between(0.75, 2)),
     ("sides", listed(between(1, 1.25), between(0.75, 0.875))),
@@ -454,9 +460,9 @@ CORNER: Rows = (
     ("restitution", between(0.625, 0.875)),
     ("samples", "16"),
 )
-"""A box that comes down on one corner and turns away."""
+"""A box that hits a plane with one corner and rotates away."""
 ELASTIC_CORNER: Rows = (*CORNER, ("restitution", "1"))
-"""The same without a loss."""
+"""The same without loss of energy."""
 CRADLE: Rows = (
     ("balls", "3"),
     ("masses", listed(between(2, 3), between(0.5, 0.75), between(2, 3), *4 * [between(1, 1)])),
@@ -465,7 +471,7 @@ CRADLE: Rows = (
     ("restitution", between(0.75, 0.875)),
     *lasting("5/4", "16"),
 )
-"""A light ball that goes back and forth between two heavy ones."""
+"""A light ball that bounces between two heavy ones."""
 BREAK: Rows = (
     ("rows", "2"),
     ("masses", listed(between(1.25, 2), between(0.75, 1))),
@@ -476,9 +482,9 @@ BREAK: Rows = (
     ("impacts", "4"),
     ("samples", "24"),
 )
-"""A heavy cue ball that breaks a rack of three, besides the axis of symmetry."""
+"""A heavy cue ball that breaks a rack of three, off its axis of symmetry."""
 ELASTIC_CRADLE: Rows = (*CRADLE, ("restitution", "1"))
-"""The same without a loss."""
+"""The same without loss of energy."""
 DROP: Rows = (
     ("mass", between(0.75, 1.5)),
     ("height", between(1, 2)),
@@ -491,14 +497,14 @@ DROP: Rows = (
 )
 """A ball that is thrown sideways and slides in its first bounces."""
 ELASTIC_DROP: Rows = (*DROP, ("restitution", "1"), ("friction", "0"))
-"""The same without friction and without a loss."""
+"""The same without friction and without loss of energy."""
 SPINNING_DROP: Rows = (
     *DROP,
     ("friction", "0"),
     ("spin", signed(1, 2)),
     ("radius", between(0.375, 0.75)),
 )
-"""The same without friction, of a ball that spins."""
+"""The same without friction for a spinning ball."""
 SMOOTH_REBOUND: Rows = (*REBOUND, ("friction", "0"))
 """A rigid sphere that meets a smooth wall."""
 SKID: Rows = (
@@ -514,8 +520,8 @@ SKID: Rows = (
     ("gravity", between(4, 8)),
     ("samples", "16"),
 )
-"""A round body with backspin on a level plane that slides, and rolls in the end; R omega is less
-than v, so that it never stops dead, as friction against the centre would have it, too.
+"""A round body on a level plane that slides with R omega < v and rolls in the end. Its centre never
+comes to rest, neither with the right friction nor with a faulty one against the centre's velocity.
 """
 RAMP: Rows = (
     *SKID,
@@ -524,7 +530,7 @@ RAMP: Rows = (
     ("spin", computed(lambda drawn: -drawn["_turn"])),
     ("speed", computed(lambda drawn: -drawn["_fast"] / 4)),
 )
-"""The same on a slope that is too steep for a block, up which it is thrown, and rolls down."""
+"""The same, thrown up a slope that is too steep for a block to rest; it rolls down."""
 CHUTE: Rows = (
     *SKID,
     ("inertia_factor", "1"),
@@ -533,7 +539,7 @@ CHUTE: Rows = (
     ("speed", computed(lambda drawn: -drawn["_fast"])),
     ("spin", computed(lambda drawn: -drawn["_turn"])),
 )
-"""A ring that is thrown up a slope on which it never rolls: friction turns round."""
+"""A ring thrown up a slope that is too steep for rolling, so that friction changes its sign."""
 HERTZ: Rows = (
     ("effective_mass", between(0.5, 2)),
     ("stiffness", between(500, 1500)),
@@ -548,19 +554,18 @@ GAS: Rows = (
     ("seed", between(1, 10_000, 1)),
     *lasting("16", "8"),
 )
-"""A thousand rigid spheres in a periodic box, which cool while each of them meets some five others.
-"""
+"""A thousand rigid spheres in a periodic box, which cool during about five collisions of each."""
 
 # Maps, billiards and outlines.
 CHAOTIC_MAP: Rows = (("eta", "4"), ("x0", between(5 / 64, 59 / 64, 64)), ("n", "48"))
-"""The logistic map at eta = 4, where its slope is never nearly 0 for long."""
+"""The logistic map at eta = 4, from starts for which its slope is not small for long."""
 GROWTH: Rows = (
     ("form", "ode"),
     ("eta", between(0.25, 1, 64)),
     ("x0", between(2 / 64, 0.25, 64)),
     ("n", "12"),
 )
-"""The logistic equation on its way up."""
+"""The logistic equation from a small initial value."""
 LORENZ: Rows = (
     ("sigma", between(8, 12, 16)),
     ("rho", between(24, 32, 16)),
@@ -569,28 +574,30 @@ LORENZ: Rows = (
     ("start", listed(signed(2, 6, 16), signed(2, 6, 16), between(12, 20, 16))),
     ("n", "24"),
 )
-"""Lorenz' equations near his own numbers, begun off the z axis."""
+"""Lorenz' equations near his own parameters, started off the z axis."""
 CHAOTIC_LORENZ: Rows = (
     ("start", listed(signed(2, 6, 16), signed(2, 6, 16), between(12, 20, 16))),
     ("n", "128"),
 )
-"""Lorenz' equations at his own numbers, for so long that neighbours part by many powers of e."""
+"""Lorenz' equations at his own parameters, long enough for neighbours to separate by many powers of
+e.
+"""
 ENTERED: Rows = (
     ("_x", between(-31 / 64, 31 / 64, 64)),
     ("_odd", between(1, 62, 1)),
     ("start", computed(lambda drawn: f"{drawn['_x']},{(2 * drawn['_odd'] + 1) / 256}")),
     ("direction", listed(signed(40 / 64, 90 / 64, 64), between(30 / 64, 80 / 64, 64))),
 )
-"""A place inside of a billiard, and a direction along none of its axes."""
+"""A point inside a billiard, and a direction along neither axis."""
 STADIUM: Rows = (
     *ENTERED,
     ("_width", between(3, 4, 64)),
     ("size", computed(lambda drawn: f"{drawn['_width']},2")),
     ("n", "40"),
 )
-"""A stadium with straight walls, entered along neither of its axes."""
+"""A stadium with straight walls, with a direction along neither axis."""
 RECTANGLE: Rows = (("geometry", "rectangle"), *ENTERED, ("size", "3,2"), ("n", "100"))
-"""A rectangle without a corner on the way, as far as it goes."""
+"""A rectangle with a path that meets no corner."""
 HEAD: Rows = (
     ("centre", listed(between(0.5, 1.5, 64), between(-1.5, -0.5, 64))),
     ("size", between(0.125, 0.5, 64)),
@@ -618,11 +625,11 @@ SHAFT: Rows = (
     ("v0", listed(signed(0.5, 1.5), signed(0.5, 1.5))),
     *lasting("3", "24"),
 )
-"""A mass on a shaft that turns faster than its border, one way or the other."""
+"""A mass on a shaft that rotates faster than its stability limit, in either direction."""
 SLOW_SHAFT: Rows = (*SHAFT, ("turning", either("1", "-3/2")))
-"""The same below the border."""
+"""The same below the stability limit."""
 THROWN: Rows = (*FALLING, ("v0", between(1, 4)))
-"""The same, thrown up first."""
+"""The same, thrown up at first."""
 
 SMOOTH = ("euler", "verlet", "suzuki", "rk4", "verlet-single")
 SWINGING = ("euler", "verlet", "suzuki", "verlet-single")
@@ -694,7 +701,7 @@ SETTINGS: Mapping[str, Setting] = {
     "chute": Setting("rolling", CHUTE, TOUCHING),
     "hertz": Setting("hertz-spheres", HERTZ, TOUCHING),
     "gas": Setting("granular-gas", GAS, ("impacts",), engine="reference"),
-    # In single precision one pair of levels is left above round-off.
+    # In single precision only one pair of levels would be above round-off.
     "tent": Setting("asymmetric-field", TENT, ("verlet",)),
     "wedge": Setting("wedge-collision", WEDGE, TOUCHING),
     "flyer": Setting("newtons-first-law", FLYER, SMOOTH),

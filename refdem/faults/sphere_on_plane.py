@@ -1,4 +1,4 @@
-"""Scenes in which a rigid sphere lies on a plane, as the transparent engine can run them."""
+"""Tests of scenes in which a rigid sphere lies on a plane, for the transparent engine."""
 
 import numpy as np
 
@@ -8,14 +8,14 @@ from refdem.scene.elements.plane import Plane
 from refdem.scene.elements.uniform_gravity import UniformGravity
 
 ASKEW = 1e-12
-"""Largest relative component of a slip across the slope, or of a place off the plane: round-off of
-a scene that was rotated.
+"""Largest relative component of a slip across the slope, or of a position off the plane, that is
+round-off of a rotated scene.
 """
 
 
 def starts_on_plane(scene: Scene) -> bool:
-    """One sphere under the rigid law touches one plane at the start without moving across it, and
-    gravity presses it there.
+    """True if one sphere under the rigid law touches one plane at the start, has no velocity along
+    the normal, and is pressed on the plane by gravity.
     """
     laws = scene.all(Contact)
     planes = scene.all(Plane)
@@ -33,8 +33,8 @@ def starts_on_plane(scene: Scene) -> bool:
 
 
 def leaves_its_line(scene: Scene) -> bool:
-    """The slip of a sphere that lies on a slope has a part across the slope, so that its direction
-    turns: no mode with a constant direction of friction describes it.
+    """True if the slip of a sphere on a slope has a component across the slope. Its direction then
+    changes, and no mode with a constant direction of friction describes it.
     """
     bodies = scene.bodies
     normal = np.array(scene.all(Plane)[0].normal)

@@ -10,12 +10,12 @@ from refdem.scene.elements.rod import Rod
 
 @dataclass(slots=True)
 class State:
-    """Position, velocity, attitude and omega_body of every body; the spring of every pair; work
-    against dissipation; the time.
+    """Position `r`, velocity `v`, attitude `q` and omega_body `w` of every body; the tangential
+    spring of every pair; the dissipated `work` [J]; the time.
 
-    Modes, constant within a step: which pairs act, which of them press, whose tangential springs
-    slide at their limit, towards which side every slider moves (0: sticks), and the line (a rod, or
-    None) of every hook.
+    Modes, constant within a step: which pairs act, which of them press, which tangential springs
+    slide at Coulomb's limit, the direction of slip of every slider (0: sticks), and the line (a
+    rod, or None) of every hook.
     """
 
     r: list[Vector]
@@ -34,11 +34,10 @@ class State:
     def moved(
         self, r: list[Vector], v: list[Vector], q: list[Quaternion], w: list[Vector], t: float
     ) -> "State":
-        """The state with other places and rates at the time t; it shares all else, and lists that
-        are given as they are.
+        """The state with other positions, velocities, attitudes and omegas at the time t.
 
-        So a list of a state that was handed on is replaced, never changed; who changes one in place
-        takes a copy first.
+        It shares all other lists with this state, and the given lists are not copied. A list of a
+        state must therefore be replaced and not changed in place, except in a `copy`.
         """
         return State(
             r,

@@ -1,7 +1,9 @@
 """Methods of the transparent engine: one step each, in the verbs kick, drift, hold.
 
-Notation: r, v place and velocity, q attitude, w omega in body axes, h the step [s]. kick: v += h
-F/m, w += h J^-1 torque. drift: r += h v, q turns as a free body does. hold: impulses of rods.
+Notation: r, v position and velocity, q attitude, w omega in body axes, h the step [s].
+
+kick: v += h F/m, w += h J^-1 torque. drift: r += h v, and rotation of a free body for h. hold:
+impulses of constraints.
 """
 
 from typing import NamedTuple
@@ -14,7 +16,8 @@ from refdem.mechanics.vectors import Number, Quaternion, Vector
 
 
 def kick(motion: Moving, state: State, load: Loads, h: Number) -> State:
-    """Velocities after the loads have acted for h; the lists of them are new."""
+    """The state after the loads have acted for h, with new lists of velocities."""
+    # v+ = v + h F/m, w+ = w + h J^-1 torque.
     kicked = motion.parts.kicked
     v = list(state.v)
     w = state.w
@@ -28,7 +31,7 @@ def kick(motion: Moving, state: State, load: Loads, h: Number) -> State:
 
 
 def drift(motion: Moving, state: State, h: Number) -> State:
-    """Positions and attitudes after h: bodies turn as free ones do."""
+    """The state after free motion for h: r + h v, and the rotation of a free body."""
     r = list(state.r)
     v = state.v
     q = state.q
@@ -41,14 +44,13 @@ def drift(motion: Moving, state: State, h: Number) -> State:
     for i in motion.turning:
         inertia = motion.world.inertia[i]
         if inertia[0] == inertia[1] == inertia[2]:
-            # A sphere turns about a fixed axis: omega is constant.
+            # Equal moments: omega is constant, q+ = q exp(w h/2).
             q[i] = motion.parts.unit(motion.parts.turned(q[i], w[i], h))
             continue
         spin = w[i]
         attitude = q[i]
-        # The kinetic energy L_1^2/2J_1 + L_2^2/2J_2 + L_3^2/2J_3 in its three parts, each of which
-        # turns the body about one axis exactly; their symmetric composition is of order 2
-        # (McLachlan 1993).
+        # T = L_1^2/(2 J_1) + L_2^2/(2 J_2) + L_3^2/(2 J_3). The flow of each term is a rotation
+        # about one principal axis; their symmetric composition has order 2 (McLachlan 1993).
         for axis, part in ((0, 0.5), (1, 0.5), (2, 1.0), (1, 0.5), (0, 0.5)):
             spin, attitude = motion.parts.axis_turn(axis, inertia, spin, attitude, part * h)
         w[i] = spin
@@ -63,27 +65,29 @@ def verlet(motion: Moving, state: State, load: Loads, h: Number) -> tuple[State,
     """Kick, drift, kick (Swope et al. 1982); with rods RATTLE (Andersen 1983); one correction where
     forces depend on velocity.
     """
+    # v' = v + h/2 F(r)/m, r+ = r + h v', v+ = v' + h/2 F(r+)/m, and alike for omega and attitude.
     first, second = motion.parts.verlet_kicks
     kicked = kick(motion, state, load, first * h)
     held = hold_length(motion, state, kicked, h)
     moved = drift(motion, held, h)
-    # The lost power by the trapezoidal rule, its second half below.
+    # Dissipated work by the trapezoidal rule, W+ = W + h/2 (P + P+); the second half is added
+    # below.
     moved.work = state.work + 0.5 * h * load.power
     if motion.reads_velocity:
         guess = kick(motion, moved, load, second * h)
     else:
         guess = moved
-    # Loads at the end of the step; where they depend on the velocity there, which is not known
-    # before the last kick, they are taken at a velocity predicted by the loads of the start ...
+    # Loads at the end of the step. If they depend on the velocity there, which is known only after
+    # the last kick, they are evaluated at the velocity v' + h/2 F(r)/m predicted from the start ...
     after = motion.parts.loads(motion.world, guess, motion.parts, load, h)
     if motion.depends_on_velocity:
-        # ... and once more at the velocity that this kick gives.
+        # ... and again at the velocity that results.
         after = motion.parts.loads(
             motion.world, kick(motion, moved, after, second * h), motion.parts, load, h
         )
     ended = hold_speed(motion, kick(motion, moved, after, second * h))
     if motion.world.sliders:
-        # A slider that sticks balances the loads of the velocity that was reached.
+        # A sticking slider balances the loads at the final velocity.
         after = motion.parts.loads(motion.world, ended, motion.parts, load, h)
     ended.stretch = after.stretch
     ended.work = moved.work + 0.5 * h * after.power
@@ -91,11 +95,12 @@ def verlet(motion: Moving, state: State, load: Loads, h: Number) -> tuple[State,
 
 
 def euler(motion: Moving, state: State, load: Loads, h: Number) -> tuple[State, Loads]:
-    """Kick, drift: first order; gyroscopic term explicit."""
+    """Symplectic Euler, kick then drift: first order; gyroscopic term explicit."""
+    # v+ = v + h F(r)/m, r+ = r + h v+.
     kicked = kick(motion, state, load, h)
     spun = list(kicked.w)
     for i in motion.turning:
-        # w += h J^-1 (-w x J w), with the w that the torques have changed.
+        # w+ = w + h J^-1 (-w x J w), with w after the kick by the torques.
         inertia = motion.world.inertia[i]
         torque = motion.parts.gyroscopic(inertia, spun[i])
         spun[i] = motion.parts.spun_up(spun[i], torque, inertia, h)
@@ -113,7 +118,8 @@ def euler(motion: Moving, state: State, load: Loads, h: Number) -> tuple[State, 
 
 
 def drift_first(motion: Moving, state: State, load: Loads, h: Number) -> tuple[State, Loads]:
-    """Drift, kick: the other symplectic Euler method, first order."""
+    """The other symplectic Euler method, drift then kick: first order."""
+    # r+ = r + h v, v+ = v + h F(r+)/m.
     r = list(state.r)
     for i in motion.free:
         r[i] = motion.parts.drifted(r[i], state.v[i], h)
@@ -123,9 +129,8 @@ def drift_first(motion: Moving, state: State, load: Loads, h: Number) -> tuple[S
 
 
 def explicit(motion: Moving, state: State, load: Loads, h: Number) -> tuple[State, Loads]:
-    """Explicit Euler: drift with the old velocity, kick with the old force; first order, and it
-    gains energy.
-    """
+    """Explicit Euler, with the velocity and force of the start: first order, energy grows."""
+    # r+ = r + h v, v+ = v + h F(r)/m.
     moved = kick(motion, state, load, h)
     r = list(state.r)
     for i in motion.free:
@@ -136,18 +141,19 @@ def explicit(motion: Moving, state: State, load: Loads, h: Number) -> tuple[Stat
 
 
 def suzuki(motion: Moving, state: State, load: Loads, h: Number) -> tuple[State, Loads]:
-    """Five steps of Verlet: order 4 (Suzuki 1990)."""
+    """Five steps of Verlet's method: order 4 (Suzuki 1990)."""
+    # Lengths s4 h, s4 h, (1 - 4 s4) h, s4 h, s4 h with s4 = 1/(4 - 4^(1/3)).
     for part in motion.parts.suzuki:
         state, load = verlet(motion, state, load, part * h)
     return state, load
 
 
 STILL: Quaternion = (0.0, 0.0, 0.0, 0.0)
-"""q' of a body that has no moments of inertia."""
+"""The rate q' = 0 of a body without moments of inertia."""
 
 
 class Rates(NamedTuple):
-    """r', v', q' and omega_body' of every body."""
+    """The derivatives r', v', q' and omega_body' of every body."""
 
     r: list[Vector]
     v: list[Vector]
@@ -156,7 +162,9 @@ class Rates(NamedTuple):
 
 
 def rates(motion: Moving, state: State) -> Rates:
-    """The rates of the state of every body."""
+    """The derivatives of the state: r' = v, m v' = F, q' = q omega/2, J omega' = J omega x omega +
+    torque.
+    """
     parts = motion.parts
     load = parts.loads(motion.world, state, parts)
     derivative = Rates(list(state.v), [], [], [])
@@ -176,7 +184,7 @@ def rates(motion: Moving, state: State) -> Rates:
 
 
 def onward(state: State, rate: Rates, h: Number) -> State:
-    """The state after h at constant rates."""
+    """The state y + h y' with the rates y'."""
     r = [vec.moved(place, h, by) for place, by in zip(state.r, rate.r, strict=True)]
     v = [vec.moved(velocity, h, by) for velocity, by in zip(state.v, rate.v, strict=True)]
     q = [vec.moved_turn(attitude, h, by) for attitude, by in zip(state.q, rate.q, strict=True)]
@@ -187,14 +195,14 @@ def onward(state: State, rate: Rates, h: Number) -> State:
 def rk4(motion: Moving, state: State, load: Loads, h: Number) -> tuple[State, Loads]:
     """The classical method of order 4 (Kutta 1901): y + h sum b_i k_i, k_i = f(y + c_i h k_(i-1)).
 
-    The loads are handed through: stages compute their own.
+    The loads are returned unchanged, because every stage computes its own.
     """
     stages = [rates(motion, state)]
     for node in motion.parts.rk4_nodes:
         stages.append(rates(motion, onward(state, stages[-1], node * h)))
     for rate, weight in zip(stages, motion.parts.rk4_weights, strict=True):
         state = onward(state, rate, weight * h)
-    # The method turns no quaternion exactly; its length is put right once a step.
+    # The method does not conserve |q|; attitudes are normalised once a step.
     state.q = [motion.parts.unit(q) for q in state.q]
     return state, load
 

@@ -1,16 +1,14 @@
-"""Velocity Verlet that differentiates: every number carries its derivatives by numbers of the
-scene, through smooth motion and through impacts.
+"""Velocity Verlet with forward differentiation by dual numbers, through smooth motion and impacts.
 
-Notation: a dual number x has the value x and the slopes x_k = dx/ds_k by the numbers s_k of the
-scene that a request asks for. The rules of sums, products and roots are those of the chain rule.
+Notation: a dual number x has the value x and the derivatives `slopes` x_k = dx/ds_k by the
+parameters s_k of the scene that a request names. Sums, products and roots follow the chain rule.
 
-An impact is where the gap g(s) = c + b s + a s^2 of a step is 0. Its root carries the derivative of
-the impact time, ds = -dg/g', and with it what is known as the saltation of the tangent: after an
-impact of restitution e on a plane of normal n,
+An impact is a zero of the gap g(s) = c + b s + a s^2 within a step. The dual root has the
+derivative ds = -dg/g' of the impact time. The step up to the impact and the rest of the step
+therefore have dual lengths, which yields the saltation of the tangent: after an impact of
+restitution e on a plane of normal n,
 
     dr+ = dr- - (1 + e) n (n . dr-) + ...
-
-follows from the step to the impact and the rest of the step, both of dual length.
 """
 
 import math
@@ -37,14 +35,14 @@ from refdem.scene.elements.uniform_gravity import UniformGravity
 Array = NDArray[np.float64]
 
 MOST_IMPACTS = 64
-"""Impacts in one step; with more the rest of the step is made without them."""
+"""Largest number of impacts in one step; with more the rest of the step is made without them."""
 STILL_SMALL = 1e-8
-"""Square of half an angle below which the series of sin(x)/x is exact in binary64."""
+"""Square of half an angle below which two terms of the series of sin(x)/x are exact in binary64."""
 
 
 @dataclass(frozen=True, slots=True)
 class Dual:
-    """A number with its derivatives (K,) by the numbers of the scene."""
+    """A dual number: a value, and its derivatives `slopes` (K,) by K parameters of the scene."""
 
     value: float
     slopes: Array
@@ -65,6 +63,7 @@ class Dual:
 
     def __mul__(self, other: Number) -> "Dual":
         value = value_of(other)
+        # (a b)' = b a' + a b'.
         return Dual(self.value * value, value * self.slopes + self.value * slopes_of(other))
 
     __rmul__ = __mul__
@@ -77,6 +76,7 @@ class Dual:
 
     def __rtruediv__(self, other: float) -> "Dual":
         quotient = other / self.value
+        # (c/b)' = -(c/b) b'/b.
         return Dual(quotient, -quotient * self.slopes / self.value)
 
 
@@ -88,27 +88,29 @@ def value_of(number: Number) -> float:
 
 
 def slopes_of(number: Number) -> Any:
-    """The slopes (K,) of a number, 0 of one that is not dual."""
+    """The derivatives (K,) of a number; 0 for one that is not dual."""
     if isinstance(number, Dual):
         return number.slopes
     return 0.0
 
 
 def root(square: Number) -> Dual:
-    """The root of a dual number above 0; (sqrt x)' = x'/(2 sqrt x)."""
+    """The square root of a dual number above 0: (sqrt x)' = x'/(2 sqrt x)."""
     value = math.sqrt(square.value)
     return Dual(value, square.slopes / (2 * value))
 
 
 def turn_by(angles: Vector) -> Quaternion:
-    """The rotation by |angles| [rad] about angles, in dual numbers also where they are 0.
+    """The quaternion of the rotation by |angles| [rad] about `angles`, in dual numbers, also at 0.
 
-    With x = |angles|^2/4: w = cos sqrt(x), and the axis has the factor sinc sqrt(x) / 2.
+    With x = |angles|^2/4 it is (cos sqrt(x), S(x) angles/2), S(x) = sin(sqrt x)/sqrt(x). Their
+    derivatives by x are -S/2 and S' = (cos sqrt(x) - S)/(2 x).
     """
     square = vec.dot(angles, angles) / 4.0
     half = math.sqrt(square.value)
     cosine = math.cos(half)
     if square.value < STILL_SMALL:
+        # S = 1 - x/6 + ..., S' = -1/6 + x/60 - ...
         sinc = 1.0 - square.value / 6.0
         sinc_rate = -1.0 / 6.0 + square.value / 60.0
     else:
@@ -120,8 +122,9 @@ def turn_by(angles: Vector) -> Quaternion:
 
 
 def refused(scene: Scene) -> str | None:
-    """None for what the method differentiates: points and spheres that turn alike about all axes,
-    on linear springs, in gravity, and one sphere that meets planes rigidly without friction.
+    """None for what the method differentiates, else the reason: points and spheres with equal
+    moments of inertia on linear springs and in gravity, and one sphere that collides with planes
+    under the rigid law without friction.
     """
     known = (Spring, UniformGravity, Plane, Contact)
     for element in scene.elements:
@@ -134,7 +137,7 @@ def refused(scene: Scene) -> str | None:
 
 
 def _bodies_refused(scene: Scene) -> str | None:
-    """None for free points and spheres whose moments of inertia are equal."""
+    """None for free points and spheres whose moments of inertia are equal, else the reason."""
     bodies = scene.bodies
     if bodies.fixed.any():
         return "the method moves every body"
@@ -146,7 +149,7 @@ def _bodies_refused(scene: Scene) -> str | None:
 
 
 def _contact_refused(scene: Scene) -> str | None:
-    """None without contacts, or for one sphere that meets planes without friction."""
+    """None without contacts, or for one sphere that collides with planes without friction."""
     laws = scene.all(Contact)
     if not laws:
         return None
@@ -158,8 +161,8 @@ def _contact_refused(scene: Scene) -> str | None:
 
 
 def seeded(key: str, value: Any, asked: Sequence[str]) -> Any:
-    """A value of the document of a scene, each float of it as a dual number: its slope by a number
-    that is asked for is 1 at its own key.
+    """A value of the document of a scene with every float as a dual number. Its derivative by a
+    requested parameter is 1 if the parameter has its key, else 0.
     """
     if isinstance(value, dict):
         return {name: seeded(f"{key}.{name}", entry, asked) for name, entry in value.items()}
@@ -172,8 +175,8 @@ def seeded(key: str, value: Any, asked: Sequence[str]) -> Any:
 
 @dataclass(frozen=True)
 class TangentWorld:
-    """The numbers of a scene that do not change, dual: `springs`, `fields` and `planes` are the
-    elements as documents.
+    """The constants of a scene as dual numbers; `springs`, `fields` and `planes` are the elements
+    as documents.
     """
 
     mass: list[Dual]
@@ -186,14 +189,14 @@ class TangentWorld:
 
 @dataclass(frozen=True)
 class TangentState:
-    """Places and velocities of all bodies, dual."""
+    """Positions `r` and velocities `v` of all bodies as dual numbers."""
 
     r: list[Vector]
     v: list[Vector]
 
 
 def world_of(document: Any) -> TangentWorld:
-    """The world of a seeded document."""
+    """The world of the document of a scene, with dual numbers as made by `seeded`."""
     bodies = document["bodies"]
     by_kind: dict[str, list[Any]] = {}
     for element in document["elements"]:
@@ -235,6 +238,7 @@ def forces(world: TangentWorld, r: list[Vector]) -> list[Vector]:
 
 def verlet(world: TangentWorld, state: TangentState, h: Number) -> TangentState:
     """Kick, drift, kick (Swope et al. 1982) over a step of dual length."""
+    # v' = v + h/2 F(r)/m, r+ = r + h v', v+ = v' + h/2 F(r+)/m.
     before = forces(world, state.r)
     r = []
     halfway = []
@@ -249,8 +253,9 @@ def verlet(world: TangentWorld, state: TangentState, h: Number) -> TangentState:
 
 
 def impact_time(world: TangentWorld, state: TangentState, plane: Any, most: float) -> Dual | None:
-    """When [s] within a step of `most` the only sphere meets a plane: g(s) = c + b s + a s^2 = 0
-    with g' < 0; None if it does not.
+    """The time [s] within a step of `most` at which the only sphere hits a plane; None without.
+
+    g(s) = c + b s + a s^2 = 0 with g' < 0, where a = F . n/(2 m), b = v . n, c = (r - p) . n - R.
     """
     normal = tuple(plane["normal"])
     (force,) = forces(world, state.r)
@@ -261,7 +266,8 @@ def impact_time(world: TangentWorld, state: TangentState, plane: Any, most: floa
     if discriminant.value <= 0:
         return None
     fall = root(discriminant)
-    # Of the two forms of the root the one without cancellation.
+    # The root with g' = -sqrt(b^2 - 4 a c) < 0, in the form without cancellation: (b + sqrt)/(-2 a)
+    # for b > 0, and 2 c/(sqrt - b) else.
     if b.value > 0:
         if a.value >= 0:
             return None
@@ -284,7 +290,7 @@ def struck(world: TangentWorld, state: TangentState, plane: Any) -> TangentState
 def advance(
     world: TangentWorld, parts: Parts, state: TangentState, h: float, t: float
 ) -> tuple[TangentState, list[Event]]:
-    """One step of h [s] from the time t, cut at its impacts, which are told."""
+    """One step of h [s] from the time t, divided at its impacts; the state and the events."""
     left: Number = h
     events: list[Event] = []
     for _ in range(MOST_IMPACTS):
@@ -306,7 +312,7 @@ def advance(
 
 
 def run(request: Request, parts: Parts) -> tuple[Trajectory, Cost]:
-    """Fixed steps; a row of states and their derivatives after every `stride` of them."""
+    """The trajectory by fixed steps, with states and derivatives after every `stride` of them."""
     begun = perf_counter()
     problem = request.problem
     assert isinstance(problem, Motion)
@@ -348,8 +354,9 @@ def run(request: Request, parts: Parts) -> tuple[Trajectory, Cost]:
 def _row(
     bodies: list[Any], state: TangentState, carried: TangentState, elapsed: float
 ) -> list[tuple[list[Dual], list[Dual]]]:
-    """The 13 numbers of every body at a sample, and those whose slopes are told. Without friction
-    a sphere turns evenly: its attitude is that of the start, turned by omega t.
+    """The 13 state variables of every body at a sample, and those whose derivatives are reported.
+
+    Without friction omega is constant: the attitude is exp(omega t/2) times that of the start.
     """
     row = []
     for i, body in enumerate(bodies):
@@ -363,17 +370,17 @@ def _row(
 
 
 def time_to_impact(time: Any) -> Any:
-    """The time [s] from the start of a piece to the impact, with its slopes."""
+    """The time [s] from the start of a piece to the impact, with its derivatives."""
     return time
 
 
 def time_left(left: Any, time: Any) -> Any:
-    """What is left of a step [s] after an impact, with its slopes."""
+    """The rest of a step [s] after an impact, with its derivatives."""
     return left - time
 
 
 def told(before: Any, after: Any) -> Any:
-    """The state whose slopes are told, of those before and after the last step: the latter."""
+    """The state whose derivatives are reported at a sample: that after the last step."""
     return after
 
 

@@ -1,5 +1,5 @@
-"""The transparent engine: small parts in plain Python, to which known faults are added; it is not
-discovered among the engines.
+"""The transparent engine: small parts in plain Python into which known faults are planted. It is
+not discovered among the engines.
 """
 
 import math
@@ -48,9 +48,9 @@ _VERLET: dict[str, Any] = {
 }
 _VERLET |= {"locates_events": True}
 SUMMED: dict[str, Any] = {"summed_clock": True}
-"""A step is added to the time of the state, in double precision (faults/steps.py).
+"""The time of a state is a sum of steps in double precision (faults/steps.py).
 
-Of a method in single precision that sum is exact next to the rounding of all else.
+For a method in single precision the rounding of this sum is negligible.
 """
 METHODS = (
     Method(
@@ -112,7 +112,7 @@ LINEAR = frozenset({"spring", "dashpot", "dimension:1"})
 
 
 class Transparent(Engine):
-    """Points, spheres and free bodies; one method a step function; `parts` may be replaced."""
+    """Points, spheres and free bodies; each method is a step function; `parts` can be replaced."""
 
     name = "transparent"
     title = "Transparent engine"
@@ -136,7 +136,7 @@ class Transparent(Engine):
         return fingerprint.of_source("faults")
 
     def unsupported_motion(self, problem: Motion, method: Method) -> str | None:
-        """None for what the method's step can do."""
+        """None if the method supports the motion, else the reason."""
         if method.name in ("iterated", "carried"):
             return "cannot run a motion"
         if method.differentiates:
@@ -144,7 +144,7 @@ class Transparent(Engine):
         return self._unsupported_scene(problem.scene, method)
 
     def _unsupported_scene(self, scene: Scene, method: Method) -> str | None:
-        """None for the scenes of methods whose parts are those of `Parts`."""
+        """None for scenes of the methods that are composed of `Parts`, else the reason."""
         for element in scene.elements:
             if reason := _refused(element):
                 return reason
@@ -170,7 +170,9 @@ class Transparent(Engine):
         return None
 
     def unsupported(self, problem: Problem, method: Method) -> str | None:
-        """None for iterations by `iterated`, for linear flows by `carried`; motions as above."""
+        """None for iterations by `iterated`, linear flows by `carried` and supported motions, else
+        the reason.
+        """
         if isinstance(problem, Ensemble) and method.name == "carried":
             if problem.features <= LINEAR:
                 return None
@@ -180,7 +182,9 @@ class Transparent(Engine):
         return super().unsupported(problem, method)
 
     def run(self, request: Request) -> tuple[Trajectory, Cost]:
-        """Fixed steps, cut at events; a row of numbers after every `stride` of them."""
+        """The trajectory by fixed steps, divided at events, with a sample after every `stride` of
+        them.
+        """
         begun = perf_counter()
         self.parts.fresh(self.kept)
         if isinstance(request.problem, Iteration):
@@ -214,7 +218,7 @@ class Transparent(Engine):
 
 
 def _refused(element: Element) -> str | None:
-    """None for an element that the engine has, as it has it."""
+    """None for an element that the engine supports with these fields, else the reason."""
     if isinstance(element, Link) and element.has_force:
         if element.has_central_anchors():
             return None
@@ -243,14 +247,16 @@ def _refused(element: Element) -> str | None:
 
 
 NEAR = 2.0**-20
-"""Part of its radius by which a sphere must be above a plane to count as apart from it, in any
+"""Smallest gap between a sphere and a plane, relative to the radius, that counts as apart in any
 precision.
 """
 
 
 def _rigid_refused(scene: Scene) -> str | None:
-    """None without a rigid law, or for spheres that turn alike about all axes, on which nothing but
-    gravity acts: impacts of any number, or one that lies on a plane; and for a polyhedron alone.
+    """None without a rigid law, and for scenes of it that the engine supports, else the reason.
+
+    These are any number of colliding spheres with equal moments of inertia, or one that lies on a
+    plane, on which only gravity acts; and a single polyhedron.
     """
     if "contact:rigid" not in scene.features:
         return None
@@ -276,14 +282,16 @@ def _rigid_refused(scene: Scene) -> str | None:
 
 
 def _is_smooth_corner(scene: Scene) -> bool:
-    """One polyhedron in free flight meets planes rigidly, without friction."""
+    """True if one polyhedron in free flight collides with planes under the rigid law, without
+    friction.
+    """
     law = scene.all(Contact)[0]
     is_smooth = law.law == "rigid" and law.friction == 0 and not scene.all(UniformGravity)
     return is_smooth and [type(shape) for shape in scene.bodies.shape] == [Polyhedron]
 
 
 def _is_on_plane(scene: Scene) -> bool:
-    """A sphere touches a plane at the start, or nearly so."""
+    """True if a sphere touches a plane at the start, or has a gap of less than NEAR radii."""
     bodies = scene.bodies
     for plane in scene.all(Plane):
         height = (bodies.position - np.array(plane.point)) @ np.array(plane.normal)
@@ -293,15 +301,15 @@ def _is_on_plane(scene: Scene) -> bool:
 
 
 def _fixed_refused(scene: Scene, method: Method) -> str | None:
-    """None without a fixed body, and for the methods that leave one where it is."""
+    """None without a fixed body, and for the methods that do not move it, else the reason."""
     if not scene.bodies.fixed.any() or method.name.startswith("verlet"):
         return None
     return "the method moves every body"
 
 
 def _corners_refused(scene: Scene) -> str | None:
-    """None without polyhedra that can touch, or for one alone whose corners slide on planes, or
-    meet them rigidly in flight without friction.
+    """None without polyhedra that can touch, and for a single one whose corners slide on planes or
+    collide with them in free flight without friction, else the reason.
     """
     if not scene.all(Contact) or not any(
         isinstance(shape, Polyhedron) for shape in scene.bodies.shape
@@ -340,7 +348,7 @@ class Recording:
             self.channels["dissipated_work"] = np.zeros(samples)
 
     def row(self, count: int, state: State) -> State:
-        """Writes one sample and hands the state on."""
+        """Writes one sample and returns the state with which the run continues."""
         parts = self.motion.parts
         world = self.motion.world
         state = parts.output(state)
@@ -364,6 +372,9 @@ class Recording:
                 push = parts.normal_force(world.law, depth, rate)
             else:
                 push = 0.0
+                # The potential counts k d^(n+1)/(n+1) for every overlap d > 0, also after the
+                # contact has ended, when this energy is lost: it is not yet part of the dissipated
+                # work.
                 work -= stored_energy(world, depth)
             self.channels["overlap"][count] = max(self.channels["overlap"][count], depth)
             self.channels["contact_force"][count] = max(self.channels["contact_force"][count], push)

@@ -1,4 +1,4 @@
-"""A scene as plain numbers of one precision, and the state at its start."""
+"""A scene as plain numbers of one precision, and its initial state."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -36,9 +36,9 @@ ELEMENTS: dict[str, type[Element]] = {
     "strings": StringOverWheel,
     "joints": BallJoint,
 }
-"""Fields of a world with all elements of one kind, their numbers in its precision."""
+"""Fields of a world that have all elements of one kind, with numbers in its precision."""
 SUPPORTED: tuple[type[Element], ...] = (Contact, *ELEMENTS.values())
-"""Kinds of elements that the engine knows beside those that tell their force themselves."""
+"""Kinds of elements that the engine implements, beside those that define their own force."""
 SOURCES = (
     "links",
     "fields",
@@ -49,16 +49,17 @@ SOURCES = (
     "joints",
     "sliders",
 )
-"""Fields of a world whose contents act on bodies; joints and sliders last: they answer to all else.
+"""Fields of a world that act on bodies, in the order of their loads. Joints and sliders come last,
+because their loads depend on those of all others.
 """
 
 
 @dataclass(frozen=True)
 class World:
-    """What does not change: numbers of bodies and elements, all of precision `number`.
+    """The constants of a motion: bodies and elements, with all numbers of the precision `number`.
 
-    `links` and `fields` have the elements that tell their force themselves; `lying` has the pairs
-    of a rigid sphere and the plane on which it lies.
+    `links` and `fields` have the elements that define their own force; `lying` has the pairs of a
+    rigid sphere and the plane on which it lies.
     """
 
     number: Callable[[float], Number]
@@ -84,17 +85,17 @@ class World:
 
     @cached_property
     def turns(self) -> list[bool]:
-        """Bodies that have moments of inertia."""
+        """True for each body that has moments of inertia."""
         return [inertia[0] > 0 for inertia in self.inertia]
 
     @cached_property
     def sources(self) -> tuple[str, ...]:
-        """What there is that acts, in the order in which it is added."""
+        """The names of those SOURCES that are not empty, in their order."""
         return tuple(name for name in SOURCES if getattr(self, name))
 
     @cached_property
     def depends_on_velocity(self) -> bool:
-        """Some force changes with the velocities."""
+        """True if some force depends on velocities."""
         rubs = any(slider.law != "coulomb" for slider in self.sliders)
         is_rough = bool(self.pairs) and (self.law.damping > 0 or self.law.friction > 0)
         resists = any(element.reads_velocity for element in (*self.links, *self.fields))
@@ -102,23 +103,25 @@ class World:
 
     @cached_property
     def reads_clock(self) -> bool:
-        """Some force depends on the time."""
+        """True if some force depends on the time."""
         return any(element.reads_clock for element in (*self.links, *self.fields))
 
     @cached_property
     def is_rigid(self) -> bool:
-        """Contacts are impacts of the rigid law."""
+        """True if contacts are impacts of the rigid law."""
         return self.law is not None and self.law.law == "rigid"
 
     @cached_property
     def is_smooth(self) -> bool:
-        """No forces that depend on velocity and none that jump."""
+        """True if the scene has no contacts, sliders, walls, piecewise fields or hooks, and so no
+        events.
+        """
         return not self.pairs and not self.sliders and not (self.walls or self.tents or self.hooks)
 
 
 def world_of(scene: Scene, number: Callable[[float], Number]) -> World:
-    """The scene in numbers of one precision; what reads the clock keeps doubles, and its force is
-    rounded.
+    """The scene with numbers of one precision. Elements that depend on the time keep doubles, and
+    their force is rounded.
     """
     bodies = scene.bodies
     elements = {name: _all(scene, kind, number) for name, kind in ELEMENTS.items()}
@@ -160,12 +163,12 @@ def world_of(scene: Scene, number: Callable[[float], Number]) -> World:
 
 Touching = tuple[tuple[int, int], Vector | None]
 """Two bodies (i, j) that can touch, or a body and plane n as (i, -1 - n); and the corner of body i
-that does, in body axes, if it has corners.
+in body axes, for a polyhedron.
 """
 
 
 def _touching(scene: Scene, number: Callable[[float], Number]) -> list[Touching]:
-    """All pairs of a scene that has a law of contact."""
+    """All pairs of a scene that can touch; none without a contact law."""
     if not scene.all(Contact):
         return []
     bodies = scene.bodies
@@ -183,7 +186,7 @@ def _touching(scene: Scene, number: Callable[[float], Number]) -> list[Touching]
 
 
 def _length(string: StringOverWheel, bodies: Bodies, number: Callable[[float], Number]) -> Number:
-    """Length [m] of a string over a wheel of no size, as it starts."""
+    """Length [m] of a string over a wheel without radius at the start."""
     centre = np.array(string.centre)
     return sum(
         number(float(np.linalg.norm(bodies.position[i] - centre))) for i in (string.a, string.b)
@@ -202,9 +205,9 @@ def _moments(
 
 
 def about_tip(inertia: Vector, mass: Number, anchor: Vector) -> Vector:
-    """Principal moments about an anchor on a principal axis."""
+    """Principal moments about an anchor on a principal axis, by the parallel axis theorem."""
     x, y, z = anchor
-    # Parallel axes (Steiner): J_i + m (|anchor|^2 - anchor_i^2).
+    # J_i + m (|anchor|^2 - anchor_i^2).
     about_x = inertia[0] + mass * (y * y + z * z)
     about_y = inertia[1] + mass * (x * x + z * z)
     about_z = inertia[2] + mass * (x * x + y * y)
@@ -212,7 +215,7 @@ def about_tip(inertia: Vector, mass: Number, anchor: Vector) -> Vector:
 
 
 def start_of(scene: Scene, world: World, to_body: Callable[..., Vector]) -> State:
-    """The state at the start, omega in body axes by `to_body`; its modes are not yet known."""
+    """The state at the start, with omega in body axes by `to_body`; its modes are not set yet."""
     bodies = scene.bodies
     number = world.number
     attitude = _rows(bodies.attitude, number)
@@ -250,8 +253,8 @@ def _all(scene: Scene, kind: type[Element], number: Callable[[float], Number]) -
 
 
 def _of_precision(element: Element, number: Callable[[float], Number]) -> Any:
-    """The element with its numbers in one precision, or as it is if it reads the clock: a phase
-    that is rounded before the cosine is off by more than a rounding.
+    """The element with its numbers in one precision, or unchanged if it depends on the time:
+    rounding a phase before the cosine would add an error larger than the rounding of the force.
     """
     if element.reads_clock:
         return element

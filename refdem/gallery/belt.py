@@ -10,7 +10,7 @@ from refdem.core import discovery
 from refdem.gallery.runs import Array, ObservedRun, command, instance, observed_at, remember
 
 SKIPPED = 60
-"""Periods of the drive before the picture begins: the start is forgotten by then."""
+"""Periods of the drive before the picture begins: the transient has decayed by then."""
 PER_PERIOD = 240
 """Samples in a period of the drive: a curve drawn through them looks smooth."""
 CHAOTIC = {"gamma": "2", "friction_law": "linear"}

@@ -24,8 +24,8 @@ SETTLED = 9.0
 def amplitudes(delta: float, drives: tuple[float, ...]) -> Array:
     """The amplitudes (M,) [m] of settled motions at the frequencies (M,) [rad/s] of the drive.
 
-    The frequencies are taken in their order, and each motion goes on from the one before: where two
-    amplitudes are possible the order decides.
+    The frequencies are taken in their order, and each motion continues from the one before: where
+    two amplitudes are possible the order decides.
     """
     x = 0.1
     v = 0.0

@@ -166,7 +166,7 @@ def _read(stored: list[Sheet]) -> Ended:
 
 
 def _refuse_namesakes(engines: list[Engine]) -> None:
-    """Raises UsageError for two engines of one name: their findings could not be told apart."""
+    """Raises UsageError for two engines of one name: their findings could not be distinguished."""
     names = [engine.name for engine in engines]
     for engine in engines:
         if names.count(engine.name) > 1:

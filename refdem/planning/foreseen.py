@@ -1,23 +1,23 @@
-"""Resolution without a misread run: the smallest relative misreading of a number that the checks
-against truth would notice, from certified derivatives.
+"""Predicted resolution: the smallest relative misreading of a number that the checks against truth
+would detect, from certified derivatives instead of runs with a misread number.
 
 Theorem: a number p misread by a factor 1 + a displaces every quantity q of a run by
 
     dq(t) = a p dq/dp(t) + O(a^2),
 
-so that a bound b on its error is passed from a = b/(|dq/dp| |p|) on, where the run has no error of
-its own; the smallest such a, over samples, quantities and checks, is noticed.
+so that the error of an otherwise exact run exceeds a bound b from a = b/(|dq/dp| |p|) on. The
+smallest such a, over samples, quantities and checks, is the resolution.
 
 Hypotheses, and where each is checked:
 
-* derivatives exist, as a motion of another kind on one side has none: `sensitivities` brackets
-  them, and what is `missing` is said;
-* to first order the displacement of a run is that of the true motion, which a run that converges
-  obeys, and a is small: `SMALL`.
+* the derivatives exist, which they do not where the kind of motion changes at the parameter:
+  `sensitivities` brackets them, and `missing` lists those that do not exist;
+* the displacement of a run is that of the true motion to first order, which holds for a converging
+  run, and a is small: `SMALL`.
 
-Errors of the run itself count as they are: the runs that were judged are displaced by a p dq/dp,
-and judged again. Laws that are judged by states and not by quantities (energy, momentum, lengths of
-rods) are not displaced, and may notice less.
+Errors of the run itself are included: the runs that were judged are displaced by a p dq/dp and
+judged again. Laws that are judged by states and not by quantities (energy, momentum, lengths of
+rods) are not displaced, so that the predicted resolution may be coarser.
 """
 
 from collections.abc import Mapping, Sequence

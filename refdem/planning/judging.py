@@ -187,7 +187,7 @@ def needs(
 
 
 def missing(needed: Needs, runs: Mapping[Variant, Run]) -> tuple[Variant, ...]:
-    """The runs among those needed that were not tried yet; a run comes before those that go on from
+    """The runs among those needed that were not tried yet; a run precedes those that continue from
     it.
     """
     return tuple(
@@ -198,7 +198,7 @@ def missing(needed: Needs, runs: Mapping[Variant, Run]) -> tuple[Variant, ...]:
 
 
 def _is_possible(variant: Variant, runs: Mapping[Variant, Run]) -> bool:
-    """False for a run that goes on from the end of one that failed."""
+    """False for a run that continues from the end of one that failed."""
     base = runs.get(variant.base)
     return not variant.goes_on or base is None or base.failure is None
 

@@ -54,7 +54,7 @@ class Task:
 
     @cached_property
     def variants(self) -> tuple[Variant, ...]:
-        """The union of the runs that the checks need at first; a run comes before those that go on
+        """The union of the runs that the checks need at first; a run precedes those that go on
         from it.
         """
         needed: dict[Variant, None] = {}
@@ -322,7 +322,7 @@ def _tasks(
         left_out = {}
         candidates = names
         if unsupported is None and truth is not None and ESCAPES in truth.reason:
-            # Nobody can be asked for what comes after that.
+            # No later sample can be requested.
             unsupported = f"the motion does not last until its last sample ({truth.reason})"
         if unsupported is not None:
             candidates = []

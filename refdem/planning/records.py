@@ -23,8 +23,8 @@ def records(
     the runs from which they were judged.
 
     Runs are made that the checks need at first, and then those that they ask for in view of what
-    came out, until they ask for no more. `ulps` moves the start of every run; those that go on from
-    the end of another have no start of their own.
+    came out, until they ask for no more. `ulps` moves the start of every run; those that continue
+    from the end of another have no start of their own.
     """
     judge = _Judge(tasks, versions, Runs(spool=runner.spool))
     fingerprints = runs.fingerprints_of(tasks)
@@ -35,7 +35,7 @@ def records(
     stage = "runs"
     while wanted:
         from_start = runs.asked_of(tasks, wanted, fingerprints, ulps)
-        # Their runs that go on from the end of another come when that is there.
+        # Their runs that continue from the end of another come when that is there.
         waiting = {number for number, asked in wanted.items() if any(v.goes_on for v in asked)}
         more = {}
         for number in judge.completed(runner.runs(from_start, stage), from_start):
@@ -44,7 +44,7 @@ def records(
         going_on = runs.asked_of(tasks, wanted, fingerprints, 0, judge.runs)
         for number in judge.completed(runner.runs(going_on, f"{stage} that go on"), going_on):
             more[number] = judge.judge(number)
-        # Nothing goes on from the end of a run that failed.
+        # Nothing continues from the end of a run that failed.
         for number in waiting - more.keys():
             more[number] = judge.judge(number)
         wanted = {number: more[number] for number in sorted(more) if more[number]}

@@ -39,7 +39,7 @@ MOST_FRAMES = 200
 MOST_BODIES = 32
 """Bodies that a picture of this size can show apart."""
 MOST_CONTACTS = 400
-"""Contacts of a track that are told; of more, these are the first."""
+"""Largest number of contacts of a track that are shown, the first ones."""
 VISIBLE = 1e-3
 """An error of the reference, in scales of the quantities, that a reader would see: a pixel of a
 picture of 1000."""

@@ -1,9 +1,9 @@
-"""Resolution: the smallest relative misreading of a number of the scene that closes the gate.
+"""Resolution: the smallest relative misreading of a number of the scene that makes a finding fail.
 
 The number is multiplied by 1 + a in every request that an engine gets, and its runs are judged as
-if it had been read right. The smallest a at which a finding fails is found by trial: errors grow in
-proportion to a, so that one failure foretells the threshold. A pass is worth what it would have
-seen.
+if it had been read correctly. The smallest a at which a finding fails is found by trials. Errors
+are proportional to a, so that an excess of r over a bound at a predicts the threshold a/r. The
+resolution says what a pass of the unchanged run can detect.
 """
 
 import hashlib

@@ -63,7 +63,7 @@ class Runs:
 
     def of_task(self, number: int, change: str | None = None) -> dict[Variant, Run]:
         """The runs of one task by variant, without their trajectories; `change`, if any, is that of
-        the only variants. A run that goes on from one that failed is not there.
+        the only variants. A run that continues from one that failed is not there.
         """
         runs = self.by_task.get(number, {})
         return {v: run for v, run in runs.items() if change in (None, v.change)}
@@ -113,7 +113,7 @@ class Recent:
         return trajectory
 
     def _make_room(self, size: int) -> None:
-        """Lets go of the trajectories that were not asked for longest, for another of `size`
+        """Drops the trajectories that were not asked for longest, for another of `size`
         bytes.
         """
         held = sum(map(self._runs.spool.size, self._held))
@@ -313,7 +313,7 @@ def asked_of(
     ulps: int,
     first: Runs | None = None,
 ) -> list[Asked]:
-    """The wanted runs of tasks from the start, or those that go on from the end of a `first`
+    """The wanted runs of tasks from the start, or those that continue from the end of a `first`
     one.
     """
     needed = []
@@ -325,7 +325,7 @@ def asked_of(
             base = None
             if first is not None:
                 base = first.trajectory(first.of_task(number)[variant.base])
-            # There is no end to go on from where the first run failed.
+            # There is no end to continue from where the first run failed.
             if variant.goes_on and base is None:
                 continue
             request = plan.request(task, variant, base, ulps=ulps)

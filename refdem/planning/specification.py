@@ -43,12 +43,12 @@ class Entry(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
             )
 
     def asks_the_same_as(self, other: "Entry") -> bool:
-        """True for the same case at the same parameters, whatever their levels."""
+        """True for the same case at the same parameters, for any levels."""
         return self.question == other.question
 
     @property
     def question(self) -> tuple[str, frozenset[tuple[str, str]]]:
-        """What is asked, whatever its levels: the case and its parameters."""
+        """What is asked, for any levels: the case and its parameters."""
         return self.id, frozenset(self.set.items())
 
     @property

@@ -28,7 +28,7 @@ def encoded(content: str | bytes) -> bytes:
 
 
 def written_to(path: Path, content: str | bytes, option: str) -> None:
-    """Puts `content` at the place that an option names, whatever is there; raises StoreError."""
+    """Writes `content` to the path of an option, and replaces what is there; raises StoreError."""
     try:
         put(path, encoded(content))
     except OSError as error:

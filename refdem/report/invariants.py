@@ -1,10 +1,10 @@
 """What is conserved: for each law of mechanics and each engine whether the law is kept to
 round-off, within an error of the step, or is lost.
 
-A law is judged where the scene has it: momentum where nothing acts from outside, a rod's length
-where there is a rod. Of several methods of an engine the one that keeps a law best speaks for it,
-as in the matrix of correct digits. Left out is energy whose work was integrated between samples:
-the error of that integration would be told as the engine's.
+A law is judged where it applies: momentum without external forces, the length of a rod where there
+is one. An engine is represented by its method that conserves a law best, as in the matrix of
+correct digits. Energy whose work was integrated between samples is left out, because the error of
+that integration would be attributed to the engine.
 """
 
 import math

@@ -1,7 +1,6 @@
-"""How far bounds are above what is measured: the margins of a campaign's findings, by check, case
-and engine.
+"""Margins of a campaign's findings, log10 of bound over value, by check, case and engine.
 
-A bound that lies three decades above everything that was ever measured against it sees little.
+A bound three decades above all values that were measured against it detects little.
 `python -m refdem.report.margins FOLDER` prints the groups of a report's records whose margins are
 all that wide, and how wide margins are check by check.
 """

@@ -188,7 +188,7 @@ def _shown_steps(steps: float) -> float:
 
 
 def advice_text(best: Recommendation | None, settings: int) -> str:
-    """What a reader is told: method, step in units of the shortest time, and in how many settings;
+    """The text for a reader: method, step in units of the shortest time, and in how many settings;
     `~` before a step that is extrapolated.
     """
     if best is None:

@@ -1,4 +1,4 @@
-"""Colours and shapes of charts: told apart without colour vision, legible on white and on black."""
+"""Colours and shapes of charts, distinct without colour vision, legible on white and black."""
 
 from collections.abc import Iterable
 

@@ -63,7 +63,7 @@ def _clear(folder: Path, labels: set[str]) -> None:
             sheet.label for sheet in sheets_in(folder) if isinstance(sheet, CaseSheet | Record)
         }
     except RefdemError:
-        return  # no report here, or one that says nothing of what it wrote
+        return  # no report here, or one that does not list its files
     for label in before - labels:
         removed(folder / "cases" / f"{page(label)}.html")
         removed(folder / "figures" / f"{page(label)}.svg")

@@ -57,10 +57,10 @@ SMOOTH_BASIS = (
 )
 START_BOUND = 1e-12
 """Largest error of the first sample in units of its scale, for a method in binary64: a few
-thousand roundings, where a conversion (START_BASIS) takes a few.
+thousand roundings; a conversion (START_BASIS) makes a few.
 """
 ENOUGH = 3
-"""Failures with one cause after which an engine that has answered nothing is not asked further."""
+"""Number of failures with the same cause after which an engine without any result is given up."""
 CLOCK_BASIS = (
     "samples are whole multiples of dyadic steps, so a clock that sums the"
     " steps makes at most a few thousand roundings"
@@ -73,8 +73,8 @@ START_BASIS = (
 
 @cache
 def every_probe() -> tuple[Probe, ...]:
-    """All probes, the simplest first: a fault shows in the simplest probe that it touches before it
-    shows in those that follow.
+    """All probes, the simplest first, so that the first failure is on the simplest probe that the
+    fault affects.
     """
     return (
         *probes(),
@@ -90,8 +90,8 @@ def smoke(engine: Engine) -> list[Finding]:
     """The findings on the clock, then on every probe with every method that supports it.
 
     There is one finding for each quantity compared, that of the method with the largest error. A
-    failure that many probes share is reported once, with their names; an engine that has answered
-    nothing and fails alike every time is not asked further.
+    failure that many probes share is reported once, with their names. An engine without any result
+    that fails for the same reason each time is given up.
     """
     findings = _worst([counted(engine, method) for method in engine.methods])
     unasked = []
@@ -123,7 +123,7 @@ def _refusal(reasons: list[tuple[Method, str | None]], probe: Probe) -> str:
 
 
 def _never_answers(findings: list[Finding]) -> bool:
-    """True if nothing was answered, and ENOUGH failures have one and the same cause."""
+    """True if there is no result yet, and at least ENOUGH failures, all with the same cause."""
     if any(finding.outcome in ("pass", "fail") for finding in findings):
         return False
     failed = [finding for finding in findings if finding.outcome == "error"]
@@ -131,8 +131,8 @@ def _never_answers(findings: list[Finding]) -> bool:
 
 
 def _told_once(findings: list[Finding], unasked: list[str]) -> list[Finding]:
-    """The findings, of which the first of several errors with one cause names the others, and the
-    probes that were not asked for any more.
+    """The findings with errors of the same cause merged: the first one names the others, and the
+    probes that were not tried.
     """
     same: dict[str, list[str]] = {}
     for finding in findings:

@@ -1,8 +1,10 @@
 """The first finding of a smoke test: the program takes exactly `stride` steps from each sample to
 the next.
 
-A program that compares times instead of counting steps takes one too many or too few where the sum
-of its steps is rounded. The excess of steps at a sample is (time passed - time asked for)/step.
+A program that compares times instead of counting steps makes one step too many or too few where the
+sum of its steps is rounded. At each sample
+
+    excess of steps = (elapsed time - requested time)/step.
 """
 
 import numpy as np
@@ -27,16 +29,16 @@ Array = NDArray[np.float64]
 
 QUANTITY = "clock: steps"
 BOUND = 0.25
-"""Bound [steps] of the excess. One step too many is 1; a method's own error, and a lag of half a
-step that stays the same, are not in it.
+"""Bound on the excess [steps], which is 1 for one step too many. It allows for the error of the
+method; a constant lag of half a step does not contribute.
 """
 BASIS = (
     "consecutive samples are exactly `stride` whole steps apart; summed step"
     " times are rounded and must not be compared"
 )
 PLAUSIBLE = (0.5, 2.0)
-"""Time passed over time asked for. Outside these limits units are wrong, which other probes show,
-and steps are measured in the program's own pace."""
+"""Limits of elapsed over requested time. Beyond them the unit of time is wrong, which other probes
+detect, and steps are measured in the program's own unit."""
 
 
 def counted(engine: Engine, method: Method) -> list[Finding]:

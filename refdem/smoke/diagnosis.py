@@ -1,8 +1,8 @@
-"""A guess at what an adapter got wrong, from the answer to a probe.
+"""Diagnosis of an adapter's error from its result of a probe.
 
 Known slips (axes exchanged, another unit, a quaternion with w last, ...) are applied to the right
-answer; one whose result is near the observed answer explains it. So do known mistakes of a probe,
-whose motion it has. Where several explain an answer, all are named.
+result. A slip explains the error if it gives nearly the observed result. A probe may also have
+known mistakes, each with its own motion. All explanations are named.
 """
 
 from collections.abc import Callable, Sequence

@@ -1,9 +1,8 @@
-"""Probes of which spheres a program looks at: those that start apart and meet later, that touch
-several others or walls at once, that come late in a long list, or that meet across a periodic
-boundary.
+"""Probes of neighbour lists: spheres that start apart and collide later, that touch several others
+or walls at once, that are far apart in a long list, or that collide across a periodic boundary.
 
-Programs keep lists of neighbours, and renew them as spheres move. All contacts are undamped and
-head-on, so that each has a closed form.
+Programs rebuild their neighbour lists as spheres move. All contacts are undamped and head-on, so
+that each has a closed form.
 """
 
 from collections.abc import Callable
@@ -38,7 +37,7 @@ _EVERY_CROSSING = np.array([axes for axes in np.ndindex(2, 2, 2) if any(axes)], 
 
 
 def neighbour_probes() -> tuple[Probe, ...]:
-    """The probes of lists of neighbours."""
+    """The probes of neighbour lists: late, many and periodic contacts."""
     return (
         _meeting("meeting later", between=0),
         _meeting("meeting one at rest", between=0, is_second_at_rest=True),

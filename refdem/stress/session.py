@@ -37,7 +37,7 @@ GRACE = 10.0
 output.
 """
 Progress = Callable[[str, int, int], None]
-"""Is told a stage, how many of its jobs are done, and how many there are."""
+"""Called with a stage, the number of its finished jobs and their total."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -42,7 +42,7 @@ def figure() -> Figure:
 
 
 def motions() -> Panel:
-    """Each oscillator let go at a large and at a small amplitude, over the time."""
+    """Each oscillator released at a large and at a small amplitude, over the time."""
     pairs = {
         "linear": [linear(2), linear(1)],
         "n = 2": [square(2), square(ISOCHRONOUS)],
@@ -78,7 +78,7 @@ def periods() -> Panel:
 
 
 def linear(amplitude: object) -> ObservedRun:
-    """The linear oscillator let go at an amplitude [m]."""
+    """The linear oscillator released at an amplitude [m]."""
     return observed("harmonic-oscillator", x0=amplitude, v0=0, **CLOCK)
 
 
@@ -88,7 +88,7 @@ def square(amplitude: object) -> ObservedRun:
 
 
 def swing(amplitude: object) -> ObservedRun:
-    """The pendulum let go at an angle [rad]."""
+    """The pendulum released at an angle [rad]."""
     return observed("pendulum", gravity=1, theta0=amplitude, **CLOCK)
 
 

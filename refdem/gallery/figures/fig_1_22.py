@@ -59,7 +59,7 @@ def flow() -> list[Series]:
     ]
     series = trajectories(swings, names=names)
     for run in rotations:
-        # The angle goes on over the top.
+        # The angle continues over the top.
         angle = np.unwrap(run["theta"])
         series.append(Series(x=angle, y=run["thetadot"], ink=GREY, width=1))
     series.append(arrows(swings, 50, (-2.5, 2.5), names=names))
@@ -67,6 +67,6 @@ def flow() -> list[Series]:
 
 
 def unrolled(outline: Outline) -> Outline:
-    """The same with angles that go on over the top from sample to sample."""
+    """The same with angles that continue over the top from sample to sample."""
     turns = np.unwrap(outline.x[:, 0]) - outline.x[:, 0]
     return replace(outline, x=outline.x + turns[:, None])

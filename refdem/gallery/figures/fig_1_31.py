@@ -14,7 +14,7 @@ WHOLE = (0.9, 2.5, 320)
 """Ends and number of the frequencies eta [rad/s] of the whole map."""
 WINDOWS = (WHOLE, (1.1, 1.35, 120), (1.2, 1.24, 100))
 SKIP = 80
-"""Periods of the drive before the section is drawn: the start is forgotten by then."""
+"""Periods of the drive before the section is drawn: the transient has decayed by then."""
 KEEP = 120
 """Periods of the drive whose points are drawn."""
 DENSE = 2**16

@@ -127,7 +127,7 @@ def across(curves: list[Series], value: float) -> tuple[Array, Array]:
 
 
 def run_of(engine: str, method: str, asked: Instance, stride: int) -> Any:
-    """The run of a method with so many steps in an interval; exact methods need no step."""
+    """The run of a method with this number of steps in an interval; exact methods need no step."""
     step = None
     if discovery.engine(engine).method(method).control == "step":
         step = float(asked.problem.interval) / stride

@@ -1,4 +1,4 @@
-"""Impacts of rigid spheres: every number of the law and of the bodies to its ends."""
+"""Impacts of rigid spheres, with every parameter of the law and of the bodies at its extremes."""
 
 from functools import partial
 

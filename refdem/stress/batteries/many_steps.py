@@ -1,4 +1,4 @@
-"""As many steps as there is time for: nothing may creep."""
+"""As many steps as the time allows, without secular drift."""
 
 from refdem.stress.measures.many_steps import ManySteps
 from refdem.stress.sweep import Battery, Sweep

@@ -1,4 +1,4 @@
-"""Collisions that lose nothing, and such that lose all."""
+"""Collisions without loss of energy, and with a complete loss."""
 
 from refdem.stress.measures.parameters import parameter_sweep
 from refdem.stress.sweep import Battery

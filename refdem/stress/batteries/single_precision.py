@@ -1,5 +1,5 @@
-"""How many digits a code really carries: two starts that differ by a small part must be told apart
-to the end.
+"""The number of digits that a code carries: runs from two starts that differ by a small relative
+amount must differ to the end.
 """
 
 from refdem.core.symmetry import Symmetry

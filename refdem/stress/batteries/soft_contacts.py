@@ -1,4 +1,4 @@
-"""Soft spheres that lose no energy: every number of a linear contact to its ends.
+"""Soft spheres without loss of energy, with every parameter of a linear contact at its extremes.
 
 Without a dashpot the force of the contact ends where the overlap does, so that MuJoCo, pymunk and
 REBOUND, which know no attractive contact force, run the same sweeps as the reference.

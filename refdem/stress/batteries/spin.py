@@ -1,4 +1,4 @@
-"""Fast rotation: phases that grow large, sizes that differ from those of the slow motion."""
+"""Fast rotation: large phases, and magnitudes that differ from those of the slow motion."""
 
 from functools import partial
 

@@ -1,4 +1,4 @@
-"""Stiffness over twelve decades: no scale of force, length or time is built in."""
+"""Stiffness over twelve decades, to find built-in scales of force, length or time."""
 
 from refdem.stress.measures.parameters import parameter_sweep
 from refdem.stress.sweep import TWELVE_DECADES, Battery

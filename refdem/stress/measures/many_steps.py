@@ -91,7 +91,8 @@ class Drift(Check):
         coefficients, *_ = np.linalg.lstsq(first, np.ones(len(first)), rcond=None)
         form = terms @ coefficients
         allowed, basis = bound(subject, level)
-        # The fit spreads what changes in the first quarter over all of it.
+        # The fit distributes a change within the first quarter over all of its samples, so that the
+        # bound there is that at its end.
         allowed = np.maximum(allowed, allowed[quarter])
         if allowed[-1] > HORIZON:
             return [

@@ -41,8 +41,8 @@ class HalfSine(ClosedForm):
         contact_start, d0 = self._contact_start()
         if t < contact_start:
             return self._pair(arb_of(d) + arb_of(rate) * t, arb_of(rate))
-        # d = A sin(w (t - contact_start) + phase) with A w = sqrt((w d0)^2 + rate^2); contact
-        # ends at the argument pi, with the rate -A w.
+        # d = A sin(w (t - t_c) + phase) with A w = sqrt((w d0)^2 + rate^2) and phase = atan2(w d0,
+        # rate). The contact ends at the argument pi with the rate -A w, and d = -A w (t - t_end).
         amplitude_sine = arb_of(d0) * w
         amplitude_cosine = arb_of(rate)
         amplitude = (
