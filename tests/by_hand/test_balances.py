@@ -240,8 +240,20 @@ def test_the_energy_of_a_fall_without_end_drifts_with_the_velocity():
     # The fall ends at 24 m/s, three times the scale of 8 m/s.
     truncation = 2 * 3 * (1 / 16) ** 2
     assert found.bound == near(3 * truncation, rel=1e-9)
-    slow = standing(of, velocity=[[[0, 2, 0]]] * 9)
+    slow = standing(of, velocity=[[[0, v, 0]] for v in (2, 8, 2, 8, 2, 8, 2, 8, 2)])
     assert judged(of, slow, claims)["drift"].bound == near(truncation, rel=1e-9)
+
+
+def test_energy_drifts_by_at_most_twice_what_the_coarsest_step_implies():
+    of = instance([POINT], times=tuple(float(t) for t in range(9)))
+    claims = method(symplectic=True, constant=3.0)
+    speeds = (8.0, 8.0, 8.0, 8.0, 8.03125, 8.0, 8.0, 8.0, 8.0)
+    run = standing(of, velocity=[[[0, v, 0]] for v in speeds])
+    found = judged(of, run, claims)
+    imbalance = (8.03125**2 - 64) / 64
+    # Two halvings from the coarsest step, order 2; factor 4, and twice.
+    assert found["drift"].bound == near(2 * 4 * imbalance / 16, rel=1e-6)
+    assert "implied by that at the coarsest step" in found["drift"].basis
 
 
 def test_rods_of_methods_with_a_tolerance_stretch_by_rounding_in_time():
