@@ -54,6 +54,8 @@ static inline void tumbling_state_at(const free_body *restrict b, int count,
     double slope = -order * b->slope * period / DD_PI.hi;
     for (int k = 0; k < count; k++) {
         double sign, cosine, sine;
+        /* Psi/2 = mean part + periodic part, in half turns: cos(Psi/2 + pi n) = (-1)^n cos(Psi/2).
+         */
         double half_turns = fraction(b->mean, two_sum(t[k], -b->t0), &sign);
         half_turns = fma(slope, p.f[k] - b->f0, half_turns);
         double whole = nearest(half_turns);
