@@ -62,8 +62,8 @@ static inline void tumbling_state_at(const free_body *restrict b, int count,
         double odd = whole - 2.0 * nearest(0.5 * whole);
         sine_cosine_pi(half_turns - whole, &sine, &cosine);
         sign = fma(-2.0 * fabs(odd), sign, sign);
-        /* turn + i twist = exp(i pi x) theta conj(theta at the start), up to a factor > 0; for order
-         * > 0 the conjugate of the product of both thetas. */
+        /* turn + i twist = exp(i pi x) z up to a factor > 0, with z = theta conj(theta(t0)) or, for
+         * order 1, its conjugate. */
         double re = fma(theta_re[k], b->cos0, theta_im[k] * b->sin0);
         double im = -order * fma(theta_im[k], b->cos0, -(theta_re[k] * b->sin0));
         double turn = sign * fma(cosine, re, -(sine * im));
