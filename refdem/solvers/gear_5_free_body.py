@@ -8,9 +8,8 @@ class Gear5FreeBody(GearFreeBody):
 
     With one correction a step the method is unstable for steps h >= 0.2 tau. Measured with 23
     bodies over 8 to 512 tau: for smaller steps the error is at most 1 (1 + t/tau) (h/tau)^5 S.
-    The claimed constant C = 32 is larger, so that the bound C (1 + t/tau) (h/tau)^5 S is not used
-    for unstable steps: where C (1 + t/tau) (h/tau)^5 is at most 1/10 for t >= 8 tau, h is at most
-    0.204 tau.
+    The claimed constant C = 32 is larger, because of the unstable steps: a bound C (1 + t/tau)
+    (h/tau)^5 of at most 1/10 then requires h < 0.204 tau at t = 8 tau, and less at later times.
     """
 
     claims = of_free_body(

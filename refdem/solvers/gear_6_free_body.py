@@ -8,9 +8,8 @@ class Gear6FreeBody(GearFreeBody):
 
     With one correction a step the method is unstable for steps h >= 0.1 tau. Measured with 23
     bodies over 8 to 512 tau: for smaller steps the error is at most 1.2 (1 + t/tau) (h/tau)^6 S.
-    The claimed constant C = 8192 is larger, so that the bound C (1 + t/tau) (h/tau)^6 S is not used
-    for unstable steps: where C (1 + t/tau) (h/tau)^6 is at most 1/10 for t >= 8 tau, h is at most
-    0.106 tau.
+    The claimed constant C = 8192 is larger, because of the unstable steps: a bound C (1 + t/tau)
+    (h/tau)^6 of at most 1/10 then requires h < 0.106 tau at t = 8 tau, and less at later times.
     """
 
     claims = of_free_body(
