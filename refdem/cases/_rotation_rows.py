@@ -21,7 +21,10 @@ PRODUCTS: tuple[tuple[str, str, str], ...] = (
     ("x-y", "x+90", "y+90"),
     ("x-y-back", "x-y", "x-90"),
 )
-"""Matrix products: the name of the result, and those of its factors."""
+"""Matrix products: the name of the result, and those of its factors.
+
+The factor on the right is applied first: "z-then-x" is Rx(90) Rz(90), in degrees.
+"""
 
 FACTORS: Mapping[str, float] = MappingProxyType(
     {
@@ -47,8 +50,8 @@ FACTORS: Mapping[str, float] = MappingProxyType(
 )
 """The number of rotations that are multiplied or subtracted for a result, by its name.
 
-With A and B off by dA and dB the product A B is off by dA B + A dB: a rotation keeps lengths, and
-so errors of the factors add up.
+Errors dA and dB of the factors change the product A B by dA B + A dB. Rotations preserve lengths,
+so that the errors of the factors add up.
 """
 
 
@@ -79,28 +82,35 @@ def _plane_rows(p: Parameters) -> list[Row]:
     angle = [p.angle]
     other_angle = [float(p.euler[0])]
     v = p.vector.tolist()
+    # R(a) = ((cos a, -sin a), (sin a, cos a)) for a = `angle` (1.9).
     return [
         ("plane-turn", "plane-turn", [angle, v]),
         ("plane-clockwise", "plane-turn", [[-p.angle], v]),
-        # A turn back is the transpose of the turn, and undoes it.
+        # R(-a) = R(a)^T = R(a)^-1.
         ("plane-turned-back", "plane-turn", [[-p.angle], "plane-turn"]),
+        # R(a) multiplies x + i y by exp(i a), and has the eigenvalues cos a +- i |sin a|.
         ("complex-turn", "complex-turn", [angle, v]),
         ("plane-eigenvalue", "plane-eigenvalue", [angle]),
         ("plane-determinant", "plane-determinant", [angle]),
+        # The reflection at the line with the angle a to x takes x + i y to exp(2 i a) (x - i y).
         ("mirror", "mirror", [angle, v]),
         ("mirror-determinant", "mirror-determinant", [angle]),
+        # cos(n a) = Re (cos a + i sin a)^n, and by the recurrence cos((k + 1) a) = 2 cos a cos(k a)
+        # - cos((k - 1) a).
         ("cosine-3", "cosine-by-powers", [angle, [3.0]]),
         ("cosine-4", "cosine-by-powers", [angle, [4.0]]),
         ("cosine-by-powers", "cosine-by-powers", [angle, [p.multiple]]),
         ("cosine-by-recurrence", "cosine-by-recurrence", [angle, [p.multiple]]),
+        # cos a cos b = (cos(a - b) + cos(a + b))/2.
         ("cosine-product", "cosine-product", [angle, other_angle]),
         ("cosines-mixed", "cosines-mixed", [angle, other_angle]),
     ]
 
 
 def _commuting_rows(p: Parameters) -> list[Row]:
-    """Two translations of a point in both orders, and two turns by a small angle h in both orders:
-    their commutator, what it is beyond its leading term h^2 [e_z], and the loop of four turns.
+    """Two translations of a point in both orders, and two rotations by a small angle h in both
+    orders: their commutator, its difference from the leading term h^2 [e_z], and the loop Rx(h)
+    Ry(h) Rx(-h) Ry(-h).
     """
     shifts = p.shifts.tolist()
     first = shifts[:3]
@@ -112,6 +122,7 @@ def _commuting_rows(p: Parameters) -> list[Row]:
         ("shifted-second-first", "vector-sum", ["shifted-second", first]),
         ("shift-commutator", "vector-difference", ["shifted-first-second", "shifted-second-first"]),
     ]
+    # Rx(h) Ry(h) - Ry(h) Rx(h) = h^2 [e_z] + O(h^3), with [e_z] r = e_z x r.
     h = p.small
     leading = [0.0, -h * h, 0.0, h * h, 0.0, 0.0, 0.0, 0.0, 0.0]
     both_orders: list[Row] = [
@@ -122,6 +133,7 @@ def _commuting_rows(p: Parameters) -> list[Row]:
         ("turn-commutator", "matrix-difference", ["small-x-y", "small-y-x"]),
         ("beyond-leading", "matrix-difference", ["turn-commutator", leading]),
     ]
+    # Rx(h) Ry(h) Rx(-h) Ry(-h) is a rotation by h^2 about z, to leading order.
     loop: list[Row] = [
         ("small-x-back", "turn-about", [X, [-h]]),
         ("small-y-back", "turn-about", [Y, [-h]]),
@@ -138,6 +150,9 @@ def _euler_rows(p: Parameters) -> list[Row]:
     omega = p.omega.tolist()
     # The same angles close to theta = 0, where their rates diverge.
     near = [euler[0], p.near, euler[2]]
+    # R = Rz(phi) Rx(theta) Rz(psi), body to space. The rates are those of (1.39) to (1.41), and for
+    # the quaternion q' = (0, omega) q/2 (1.67). "rate-matrix" is B in omega = B (phi', theta',
+    # psi'), "rate-inverse" B^-1, and "rate-one" B^-1 B = 1.
     angles: list[Row] = [
         ("euler-matrix", "matrix-of-euler", [euler]),
         ("euler-back", "euler-of-matrix", ["euler-matrix"]),
@@ -154,10 +169,11 @@ def _euler_rows(p: Parameters) -> list[Row]:
 
 
 def _euler_by_turns(p: Parameters) -> list[Row]:
-    """The matrix of Euler angles as a product of three turns, its inverse as that of the opposite
-    turns in the opposite order, its transpose; and a point that is carried there and back.
+    """The matrix of Euler angles as a product of three rotations, its inverse as the product of the
+    opposite rotations in the opposite order, its transpose; and a point rotated there and back.
     """
     phi, theta, psi = p.euler.tolist()
+    # R = Rz(phi) Rx(theta) Rz(psi).
     there: list[Row] = [
         ("turn-phi", "turn-about", [Z, [phi]]),
         ("turn-theta", "turn-about", [X, [theta]]),
@@ -165,6 +181,7 @@ def _euler_by_turns(p: Parameters) -> list[Row]:
         ("turn-phi-theta", "matrix-product", ["turn-phi", "turn-theta"]),
         ("euler-by-turns", "matrix-product", ["turn-phi-theta", "turn-psi"]),
     ]
+    # R^-1 = Rz(-psi) Rx(-theta) Rz(-phi) = R^T.
     back: list[Row] = [
         ("turn-phi-back", "turn-about", [Z, [-phi]]),
         ("turn-theta-back", "turn-about", [X, [-theta]]),
@@ -174,6 +191,7 @@ def _euler_by_turns(p: Parameters) -> list[Row]:
         ("euler-transposed", "transpose", ["euler-by-turns"]),
     ]
     point = p.shifts.tolist()[:3]
+    # R^T (R r) = r.
     carried: list[Row] = [
         ("euler-carried", "matrix-vector", ["euler-by-turns", point]),
         ("euler-carried-back", "matrix-vector", ["euler-transposed", "euler-carried"]),
@@ -189,13 +207,15 @@ def _energy_rows(p: Parameters) -> list[Row]:
     omega = p.omega.tolist()
     arm = p.shifts.tolist()[:3]
     return [
+        # J omega^2/2 with omega = 2 pi f, and with f in its place: the ratio is (2 pi)^2.
         ("energy", "rotation-energy", [unit_inertia, [2 * np.pi * p.frequency]]),
         ("frequency-energy", "rotation-energy", [unit_inertia, [p.frequency]]),
         ("energy-ratio", "quotient", ["energy", "frequency-energy"]),
+        # |omega x r|^2 = omega^2 r^2 - (omega . r)^2.
         ("swept", "cross", [omega, arm]),
         ("swept-square", "vector-dot", ["swept", "swept"]),
         ("swept-by-products", "cross-square", [omega, arm]),
-        # r x (omega x r) = (r^2 1 - r r) omega, and omega . that.
+        # r x (omega x r) = (r^2 1 - r r^T) omega, whose product with omega is |omega x r|^2.
         ("swept-twice", "cross", [arm, "swept"]),
         ("swept-by-triple", "vector-dot", [omega, "swept-twice"]),
     ]
@@ -205,10 +225,13 @@ def sizes(p: Parameters) -> dict[str, float]:
     """The magnitudes of vectors, rates and energies by name of their row; the others have 1."""
     omega = float(np.linalg.norm(p.omega))
     v = float(np.linalg.norm(p.vector))
-    # Euler angles are steeper than the attitude by 1/sin theta.
+    # Euler angles change faster than the attitude by the factor 1/sin theta.
     steep = 1 / abs(np.sin(p.euler[1]))
     steep_near = 1 / np.sin(p.near)
+    # J (2 pi f)^2/2 for J = 1.
     energy = 2 * (np.pi * p.frequency) ** 2
+    # The rates contain omega cot theta and omega/sin theta, whose derivatives by theta are at most
+    # omega/sin^2 theta.
     rates = {
         "euler-rates": omega * steep**2,
         "near-rates": omega * steep_near**2,
@@ -222,7 +245,7 @@ def sizes(p: Parameters) -> dict[str, float]:
     squares = ("swept-square", "swept-by-products", "swept-by-triple")
     swept |= dict.fromkeys(squares, 2 * (omega * arm) ** 2)
     swept["swept-twice"] = omega * arm**2
-    # By Euler's three turns, and by as many back.
+    # Three rotations there, and three back.
     carried = {"euler-carried": 3 * arm, "euler-carried-back": 6 * arm}
     energies = {"energy": energy, "frequency-energy": energy, "energy-ratio": 40.0}
     return {
@@ -237,7 +260,7 @@ def sizes(p: Parameters) -> dict[str, float]:
         **carried,
         "euler-back": np.pi * steep,
         **FACTORS,
-        # The iteration of a solver for general matrices has some ten roundings.
+        # The iteration of a solver for general matrices adds about ten roundings.
         "plane-eigenvalue": 4.0,
         **_sizes_of_cosines(p),
         **_sizes_of_shifts(p),
@@ -248,16 +271,17 @@ def sizes(p: Parameters) -> dict[str, float]:
 
 
 def _sizes_of_cosines(p: Parameters) -> dict[str, float]:
-    """How much larger than 1 the terms get from which the cosine of a multiple is made."""
+    """Sizes of the terms from which cosines of a multiple and products of cosines are computed."""
     sine = abs(np.sin(p.angle))
     cosine = abs(np.cos(p.angle))
     # The sum of the absolute terms of (cos + i sin)^n is at most (|cos| + |sin|)^n, and each power
     # has n roundings.
     n = max(1.0, p.multiple)
     terms = float(sine + cosine)
-    # The recurrence multiplies a rounding at step k by |sin((n - k) angle)/sin(angle)| <= n - k.
+    # The recurrence multiplies a rounding error of cos(k a), with the angle a, by sin((n - k + 1)
+    # a)/sin(a), which is at most n - k + 1 and at most 1/|sin(a)|.
     growth = min(n, 1 / max(float(sine), 1e-100))
-    # The last digits of both angles, and of their sum and difference.
+    # Roundings of both angles, and of their sum and difference.
     mixed = 1 + abs(p.angle) + abs(float(p.euler[0]))
     return {
         "cosine-3": 3 * terms**3,

@@ -65,7 +65,7 @@ class QuadraticResponse(Case):
     )
 
     def refuse(self, p: Parameters) -> None:
-        """Raises UsageError if nothing would ever move, or the start alone would go to infinity."""
+        """Raises UsageError if the mass would stay at rest, or would escape without drives."""
         _line.refuse_nothing(self.scales(p).length)
         if _nonlinear.quadratic_escapes(*(p[name] for name in ("w0", "eps", "x0", "v0"))):
             raise UsageError(
@@ -84,10 +84,12 @@ class QuadraticResponse(Case):
         fastest = float(np.max(p.drive))
 
         def acceleration(x: float, t: float) -> float:
+            # x'' = -(w0^2 + eps x) x + f1 cos(w1 t) + f2 cos(w2 t), without damping.
             pushes: float = sum(f * math.cos(w * t) for f, w in forces)
             return -(stiffness + eps * x) * x + pushes
 
         def rate(x: float) -> float:
+            # The slope of the spring force per mass, w0^2 + 2 eps x, is at most w0^2 + 2 |eps x|.
             return max(fastest, math.sqrt(stiffness + 2.0 * abs(eps * x)))
 
         return _nonlinear.reach_outside(p, acceleration, rate, (-stiffness / eps,), duration)
@@ -99,8 +101,9 @@ class QuadraticResponse(Case):
         forces = [
             Force(a=0, amplitude=f, frequency=w) for f, w in zip(p.f0, p.drive, strict=True) if f
         ]
-        # The sign of a spring's stretch is defined along its direction: with a square the anchor
-        # must stay on one side, beyond all of the motion. A power of two keeps it exact.
+        # The sign of a spring's stretch is defined along its direction. With a quadratic term the
+        # anchor must therefore be on one side of the whole motion. Its distance is a power of two,
+        # so that sums with it are exact.
         if p.eps:
             length = 2.0 ** np.ceil(np.log2(4 * self.scales(p).length))
         else:
@@ -110,12 +113,14 @@ class QuadraticResponse(Case):
     def scales(self, p: Parameters) -> Scales:
         """L is the free amplitude plus those that the drives would have without the square term.
 
-        Where the drives carry the mass out of its well, L is the place that it comes to. Each is
-        the steady f/sqrt((w0^2 - w^2)^2 + (2 delta w)^2), or f T/(2 w0) if that is less.
+        The amplitude of a drive is the steady f/sqrt((w0^2 - w^2)^2 + (2 delta w)^2) (1.105), or f
+        T/(2 w0), to which a drive at resonance rises in the duration T, if that is less. Where the
+        drives carry the mass out of its well, L is the largest |x| that it reaches.
         """
         steady = np.hypot(p.w0**2 - p.drive**2, 2 * p.delta * p.drive)
         growth = (p.duration or 20 / p.w0) / (2 * p.w0)
         response = float(np.sum(np.abs(p.f0) / np.maximum(steady, 1 / growth)))
+        # sqrt(x0^2 + (v0/w0)^2) + sum |f_i|/max(steady_i, 2 w0/T).
         length = float(np.hypot(p.x0, p.v0 / p.w0)) + response
         inside = _nonlinear.scales(p, p.w0**2, length, 2 * p.eps * length, *p.drive)
         outside = self._reach_outside(p, p.duration or inside.duration)
@@ -133,7 +138,7 @@ class QuadraticResponse(Case):
         return _line.observe(trajectory)
 
     def truth(self, p: Parameters) -> Truth:
-        """The truth by validated integration of the equations of motion."""
+        """The motion by validated integration of its equation."""
         from refdem.truth.closed_forms.quadratic_response import truth
 
         return truth(p, {q.name: q.scale for q in self.quantities(p)})

@@ -56,14 +56,15 @@ class Quaternions(AlgebraCase):
     )
 
     def refuse(self, p: Parameters) -> None:
-        """Raises UsageError for a p that is no attitude, and for a q that is none, or none with
-        Euler angles.
+        """Raises UsageError for p = 0, and for a q that is 0, whose Euler angles z-x-z are not
+        unique, or whose w is close to 0.
         """
         if not np.any(p.p):
             raise UsageError("parameter p: got 0,0,0,0; expected a quaternion other than zero")
         w, x, y, z = p.q
         norm = np.linalg.norm(p.q)
-        # sin(theta/2) = |(x, y)|/|q| and cos(theta/2) = |(w, z)|/|q|.
+        # sin(theta/2) = |(x, y)|/|q| and cos(theta/2) = |(w, z)|/|q|, by (1.76) to (1.79); phi and
+        # psi are not unique where either is 0.
         if not min(np.hypot(x, y), np.hypot(w, z)) > 1e-6 * norm:
             raise UsageError(
                 "parameter q: expected x, y and w, z that are not both 0: its Euler angles z-x-z"
@@ -84,7 +85,7 @@ class Quaternions(AlgebraCase):
         return _quaternion_rows.sizes(p)
 
     def truth(self, p: Parameters) -> Truth:
-        """The complex matrices of the quaternions in ball arithmetic."""
+        """The closed form, by complex 2 x 2 matrices of the quaternions in ball arithmetic."""
         from refdem.truth.closed_forms.quaternions import truth
 
         return truth(p, {q.name: q.scale for q in self.quantities(p)})

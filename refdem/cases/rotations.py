@@ -130,8 +130,8 @@ class Rotations(AlgebraCase):
     )
 
     def refuse(self, p: Parameters) -> None:
-        """Raises UsageError for Euler angles that their matrix does not determine, for an omega
-        without an axis, and for a triangle without a base.
+        """Raises UsageError for Euler angles that cannot be recovered from their matrix, for omega
+        = 0, and for a triangle without a base.
         """
         if not np.any(p.omega):
             raise UsageError("parameter omega: got 0,0,0; expected a vector other than zero")
@@ -158,7 +158,7 @@ class Rotations(AlgebraCase):
         return _rotation_rows.sizes(p)
 
     def truth(self, p: Parameters) -> Truth:
-        """Whole numbers, and sines and cosines written out."""
+        """The closed form: whole numbers for quarter turns, else sines and cosines."""
         from refdem.truth.closed_forms.rotations import truth
 
         return truth(p, {q.name: q.scale for q in self.quantities(p)})

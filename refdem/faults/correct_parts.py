@@ -163,6 +163,7 @@ def stretched(stretch: Vector, slip_before: Vector, slip_now: Vector, h: Number)
 
 def clipped(law: Contact, stretch: Vector, normal: Number) -> Vector:
     """The spring at Coulomb's limit, |xi| = mu F_n/k_t, with the direction of `stretch`."""
+    # xi+ = mu F_n/k_t xi/|xi|.
     longest = law.friction * max(normal, 0.0) / law.tangential_stiffness
     length = vec.size(stretch)
     if length > 0:

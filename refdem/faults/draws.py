@@ -79,7 +79,7 @@ def box_moments(rng: np.random.Generator, drawn: Drawn) -> str:
     """Moments of inertia of a box with well separated sides, in any order."""
     sides = [between(length, length + 0.25)(rng, drawn) for length in (1, 2, 3)]
     squares = sum(side * side for side in sides)
-    # J_i is proportional to b^2 + c^2, the squares of the other two sides.
+    # J_i = (b^2 + c^2)/8 with the other two sides b and c, rounded to a multiple of 1/64.
     moments = [float(squares - side * side) for side in sides]
     return ",".join(str(Fraction(round(moments[i] * 8), 64)) for i in rng.permutation(3))
 

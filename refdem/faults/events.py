@@ -319,6 +319,7 @@ def _stop_slider(motion: Moving, state: State, number: int) -> None:
     """
     slider = motion.world.sliders[number]
     v = state.v[slider.a]
+    # v+ = v - u axis, with the slip velocity u.
     speed = motion.parts.slides_at(slider, v)
     state.v[slider.a] = vec.moved(v, -speed, slider.axis)
     side_before = state.side[number]
@@ -348,7 +349,7 @@ def stored_energy(world: World, depth: Number) -> Number:
     """Energy k d^(n+1)/(n+1) [J] of the normal spring at an overlap d [m], which is lost if the
     contact ends at this overlap.
     """
-    # k d^(n+1)/(n+1), the work against k d^n.
+    # The integral of the force k d^n from 0 to d.
     power = world.law.exponent + 1
     if depth > 0:
         return world.law.stiffness * depth**power / power

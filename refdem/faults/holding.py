@@ -145,6 +145,7 @@ def _hold_string(
     With the directions n_i from the wheel to the bodies at the start and n_i' at the end, an
     impulse P reduces the length by h P sum n_i . n_i'/m_i.
     """
+    # P = excess/(h sum n_i . n_i'/m_i).
     drifted = [vec.moved(r, h, v) for r, v in zip(state.r, state.v, strict=True)]
     reached = _sides(string, drifted)
     reached_length = sum(distance for _, _, distance in reached)

@@ -29,6 +29,7 @@ def tangential_impulse(
     """The impulse [N s] on body i across the normal: (1 + b) m_t |s| against the slip, at most mu
     p. `inverse_mass` is 1/m_t, `pressing` p.
     """
+    # -min((1 + b) m_t, mu p/|s|) s.
     factor = (1 + law.slip_restitution) / inverse_mass
     speed = vec.size(slip)
     limit = law.friction * pressing
@@ -89,6 +90,7 @@ def struck(motion: Moving, state: State, number: int) -> None:
         return
     i, j = world.pairs[number]
     normal, _, closing, relative = meeting(world, state, parts, number)
+    # 1/m_i + 1/m_j, R_i^2/J_i and R_j^2/J_j, and R_i omega_i + R_j omega_j.
     inverse_mass = 1 / world.mass[i]
     turns = [_turn_ease(motion, i), 0.0]
     spin = vec.times(world.radius[i], parts.to_space(state.q[i], state.w[i]))
@@ -167,6 +169,7 @@ def _energy(motion: Moving, state: State, i: int) -> Number:
     """Kinetic energy [J] of a sphere; 0 of a plane."""
     if i < 0:
         return 0.0
+    # (m v^2 + omega . J omega)/2, in body axes.
     moving = motion.world.mass[i] * vec.dot(state.v[i], state.v[i])
     turning = vec.dot(vec.per_axis(motion.world.inertia[i], state.w[i]), state.w[i])
     return (moving + turning) / 2

@@ -177,13 +177,14 @@ def _sphere(
     """Adds the contact forces and torques of a sphere on a plane or on another sphere, pair
     `number`.
 
-    `before` are the loads at the start of a step of h [s], from which its tangential spring grows;
-    None where there is no step, and the spring stays as it is in the state.
+    `before` are the loads at the start of a step of h [s], over which its tangential spring is
+    integrated; None without a step, where the spring is that of the state.
     """
     law = world.law
     i, j = world.pairs[number]
     normal, depth, rate, relative = meeting(world, state, parts, number)
     push = parts.normal_force(law, depth, rate)
+    # F = -F_n n on body i, with F_n = k d + c d' of the linear law.
     _add(total, i, j, vec.times(-push, normal), parts)
     # The dashpot dissipates the power c d'^2.
     total.power += law.damping * rate * rate
@@ -191,6 +192,7 @@ def _sphere(
     if not has_friction:
         return
     arms = _arms(world, parts, number, depth, law.slip_shortening)
+    # s = v - (v . n) n + (arm_i omega_i + arm_j omega_j) x n.
     slip = parts.slip(relative, _surface_spin(state, parts, arms), normal)
     total.normal[number] = normal
     total.slip[number] = slip
@@ -272,8 +274,8 @@ def _grown(
     old_normal = before.normal[number]
     stretch = parts.transported(state.stretch[number], old_normal, normal)
     old_slip = parts.transported(before.slip[number], old_normal, normal)
-    # A spring that sticks grows by the slip. One at its limit that is shorter than the slip
-    # distance of a step takes the direction of the slip.
+    # A spring that sticks changes by the slip, xi' = s. So does one at its limit that is shorter
+    # than the slip distance of a step, so that it takes the direction of the slip.
     if not state.sliding[number] or not vec.size(stretch) > abs(h) * vec.size(slip):
         return parts.stretched(stretch, old_slip, slip, h)
     # At Coulomb's limit the spring keeps the length of the limit, and only the slip perpendicular

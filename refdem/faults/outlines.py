@@ -15,8 +15,8 @@ from refdem.scene.elements.spring import Spring
 
 
 def linear_flow(x: float, v: float, square: float, delta: float, t: float) -> tuple[float, float]:
-    """Position [m] and velocity [m/s] after t [s] of x'' + 2 delta x' + w0^2 x = 0; `square` is
-    w0^2.
+    """Position [m] and velocity [m/s] after t [s] of x'' + 2 delta x' + w0^2 x = 0, for delta !=
+    w0; `square` is w0^2.
 
     x(t) = a exp(l1 t) + b exp(l2 t), whose real part is taken: the roots may be complex.
     """

@@ -74,6 +74,7 @@ def pushed_by_fields(world: World, state: State, parts: Parts, total: Loads, *_:
         if fixed:
             continue
         for field in world.tents:
+            # F(s) along the axis, at s = (r - p) . axis.
             s = vec.dot(vec.minus(state.r[i], field.point), field.axis)
             push = parts.positional.field_force(field, s)
             total.force[i] = vec.moved(total.force[i], push, field.axis)
@@ -90,6 +91,7 @@ def pushed_by_walls(world: World, state: State, parts: Parts, total: Loads, *_: 
 
 def approach(wall: Wedge, state: State, parts: Parts, i: int) -> tuple[Number, Number, bool]:
     """Overlap [m], its rate [m/s], and True if the edge points at the wall."""
+    # d = (p - r) . n and d' = -v . n, with a point p of the wall and its normal n to the body.
     depth = vec.dot(vec.minus(wall.point, state.r[i]), wall.normal)
     rate = -vec.dot(state.v[i], wall.normal)
     return depth, rate, bool(vec.dot(parts.to_space(state.q[i], EDGE), wall.normal) < 0)

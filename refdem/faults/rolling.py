@@ -76,6 +76,7 @@ def needed_of(
     push = parts.rolling.pressing(force, normal)
     along = vec.moved(force, -vec.dot(force, normal), normal)
     radius = world.radius[i]
+    # R^2/J.
     turn = radius * radius / world.inertia[i][0]
     return push, along, parts.rolling.holding(along, 1 / world.mass[i], turn)
 
@@ -96,6 +97,7 @@ def carried(world: World, state: State, parts: Parts, total: Loads, *others: Any
         # the friction uses.
         support = vec.times(-vec.dot(total.force[i], normal), normal)
         total.force[i] = vec.plus(total.force[i], vec.plus(support, friction))
+        # R n x F of the friction F.
         torque = parts.torque_on(world.radius[i], normal, friction)
         total.torque[i] = vec.plus(total.torque[i], parts.to_body(state.q[i], torque))
 

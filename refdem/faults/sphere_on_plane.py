@@ -24,6 +24,7 @@ def starts_on_plane(scene: Scene) -> bool:
         return False
     normal = np.array(planes[0].normal)
     gravity = np.sum([np.zeros(3), *(np.array(g.g) for g in scene.all(UniformGravity))], axis=0)
+    # The sphere touches where (r - p) . n = R, and is pressed on the plane if g . n < 0.
     height = float((bodies.position[0] - np.array(planes[0].point)) @ normal)
     size = max(float(np.abs(bodies.position).max()), float(bodies.radius[0]))
     touches = abs(height - float(bodies.radius[0])) <= ASKEW * size
@@ -39,6 +40,8 @@ def leaves_its_line(scene: Scene) -> bool:
     bodies = scene.bodies
     normal = np.array(scene.all(Plane)[0].normal)
     gravity = np.sum([np.array(g.g) for g in scene.all(UniformGravity)], axis=0)
+    # Along the plane, gravity is g - (g . n) n, and the slip at the point of contact -R n is v -
+    # (v . n) n - R omega x n.
     along = gravity - (gravity @ normal) * normal
     velocity = bodies.velocity[0]
     surface = float(bodies.radius[0]) * np.cross(bodies.omega[0], normal)

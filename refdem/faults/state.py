@@ -10,8 +10,8 @@ from refdem.scene.elements.rod import Rod
 
 @dataclass(slots=True)
 class State:
-    """Position `r`, velocity `v`, attitude `q` and omega_body `w` of every body; the tangential
-    spring of every pair; the dissipated `work` [J]; the time.
+    """Position `r` [m], velocity `v` [m/s], attitude `q` and omega_body `w` [rad/s] of every body;
+    the tangential spring `stretch` [m] of every pair; the dissipated `work` [J]; the time `t` [s].
 
     Modes, constant within a step: which pairs act, which of them press, which tangential springs
     slide at Coulomb's limit, the direction of slip of every slider (0: sticks), and the line (a
@@ -68,8 +68,8 @@ class State:
 
 @dataclass(slots=True)
 class Loads:
-    """Force (space) and torque (body axes) on every body; normal, slip and spring of every pair;
-    and the power that is lost.
+    """Force [N] (space axes) and torque [N m] (body axes) on every body; normal, slip [m/s] and
+    tangential spring [m] of every pair; and the power [W] that is lost.
     """
 
     force: list[Vector]

@@ -225,6 +225,7 @@ def forces(world: TangentWorld, r: list[Vector]) -> list[Vector]:
             other = r[b]
         else:
             other = tuple(spring["anchor_b"])
+        # F = -k d with d = r_a - r_b for a natural length of 0, else -k (|d| - l) d/|d|.
         apart = vec.minus(r[a], other)
         factor = -spring["stiffness"]
         if spring["length"].value or np.any(spring["length"].slopes):
@@ -361,6 +362,7 @@ def _row(
     row = []
     for i, body in enumerate(bodies):
         omega = tuple(body["omega"])
+        # q = exp(omega t/2) q0, with omega in space axes.
         turn = turn_by(vec.times(elapsed, omega))
         attitude = vec.product(turn, tuple(body["attitude"]))
         now = [*state.r[i], *state.v[i], *attitude, *omega]

@@ -187,6 +187,7 @@ def _touching(scene: Scene, number: Callable[[float], Number]) -> list[Touching]
 
 def _length(string: StringOverWheel, bodies: Bodies, number: Callable[[float], Number]) -> Number:
     """Length [m] of a string over a wheel without radius at the start."""
+    # |r_a - c| + |r_b - c|.
     centre = np.array(string.centre)
     return sum(
         number(float(np.linalg.norm(bodies.position[i] - centre))) for i in (string.a, string.b)

@@ -1,9 +1,9 @@
-/* Chipmunk (the engine of pymunk): a loop over its own steps that records the bodies, and the
- * functions that it calls in each step for forces and laws that it has no element for.
+/* Chipmunk (the engine of pymunk): a loop over its own steps that records the bodies, and callbacks
+ * for forces and laws for which it has no element.
  *
  * The engine's functions come as addresses; no header of Chipmunk is used. Its numbers are doubles
- * (the adapter checks), its vectors are passed by value. Its functions have no argument for their
- * user, so that the laws are kept for each thread; a law is found by the address of its owner.
+ * (the adapter checks this), and its vectors are passed by value. Its callbacks have no user
+ * argument: the laws are therefore kept for each thread, and found by the address of their owner.
  */
 #include "chipmunk_kernel.h"
 
@@ -25,8 +25,8 @@ typedef struct {
 
 static _Thread_local const refdem_chipmunk_laws *running;
 
-/* Writes the columns of one body; those of its rotation stay as they are in a scene in which
- * nothing can turn. */
+/* Writes the columns of one body; those of its rotation are left unchanged in a scene in which no
+ * body can turn. */
 static void record(const refdem_chipmunk_engine *engine, void *body, double *restrict out)
 {
     refdem_vector2 position = engine->position(body);
@@ -65,7 +65,8 @@ void refdem_chipmunk_set(const refdem_chipmunk_laws *laws)
     running = laws;
 }
 
-/* The number of the first law of that owner; the number of laws if it has none. */
+/* The number of the first law of that owner, by bisection: owners are in ascending order. If the
+ * owner has no law, the number at which one would be inserted. */
 static int64_t first_law_of(const refdem_chipmunk_laws *f, const void *owner)
 {
     int64_t below = 0, above = f->laws;
@@ -85,7 +86,8 @@ void refdem_chipmunk_push(void *body, refdem_vector2 gravity, double damping, do
     assert(f);
     refdem_vector2 r = f->position(body), v = f->velocity(body);
     double place[3] = {r.x, r.y, 0}, velocity[3] = {v.x, v.y, 0};
-    /* The body has moved already, and the step is counted: the force is that at its end. */
+    /* Chipmunk calls this after it has moved the body and counted the step: the force is that at
+     * the end of the step, F(t, r, v). */
     double t = f->start + f->step * f->timestamp(f->space);
     refdem_vector2 total = {0, 0};
     for (int64_t k = first_law_of(f, body); k < f->laws && f->owner[k] == body; k++) {
@@ -126,6 +128,7 @@ static bool is_pressed(const refdem_chipmunk_laws *f, const void *constraint, co
     return p->stiffness * pow(overlap, p->exponent) + p->damping * overlap_rate > 0;
 }
 
+/* The force [N] along the line between both bodies, positive if it pushes them apart. */
 double refdem_chipmunk_spring(void *constraint, double distance)
 {
     const refdem_chipmunk_laws *f = running;
@@ -138,11 +141,13 @@ double refdem_chipmunk_spring(void *constraint, double distance)
         return -spring_pull(p, distance - p->length);
     }
     const contact_row *p = row;
+    /* k o^e; the engine adds the damping that refdem_chipmunk_prepare sets. */
     if (!is_pressed(f, constraint, p, distance))
         return 0.0;
     return p->stiffness * pow(p->reach - distance, p->exponent);
 }
 
+/* Sets, before each step, the damping of a contact or the largest friction of a joint. */
 void refdem_chipmunk_prepare(void *constraint, void *space)
 {
     (void)space;

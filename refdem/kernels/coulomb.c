@@ -5,8 +5,8 @@
  *   the next turning point    -sgn(Y) (|Y| - 2 s),
  *   it stops at the first one with |Y| <= s (Sgn(0) = [-1, 1]).
  * A start with v != 0 swings first about -sgn(v) s, with the amplitude R = sqrt((x + sgn(v) s)^2 +
- * (v/w)^2), to its first turning point. Turning points and times are kept as hi + lo, so that
- * neither sums up rounding.
+ * (v/w)^2), to its first turning point. Turning points and times are kept in double-double, so that
+ * their rounding errors do not accumulate.
  */
 #include <assert.h>
 
@@ -27,6 +27,7 @@ typedef struct {
  * |Y|, since |Y| and s are known only to rounding. */
 static int64_t half_cycles(dd first, dd shift)
 {
+    /* n >= (|Y|/s - 1)/2, less 1 for the rounding of the quotient. */
     double n = ceil(0.5 * (first.hi / shift.hi - 1.0)) - 1.0;
     for (n = fmax(n, 0.0);; n += 1.0)
         if (dd_sub(first, dd_scale(shift, 2.0 * n + 1.0)).hi <= 0x1p-51 * first.hi)
@@ -72,8 +73,9 @@ static double turning_point(const pieces *b, int64_t n)
 }
 
 /* Place [m] off the equilibrium, velocity [m/s], and length of the path [m] from the start x, at
- * the time `since` the start. The path is that to the first turning point, 2 (|Y| - s) - .. = 2 n
- * (|Y| - s n) over n half cycles, and (|Y| - 2 n s - s) (1 - cos) in the current one. */
+ * the time `since` the start. The path consists of that to the first turning point; of n complete
+ * half cycles, the sum over i < n of 2 (|Y| - (2 i + 1) s) = 2 n (|Y| - n s); and of (|Y| - (2 n +
+ * 1) s) (1 - cos w t) in the current half cycle. */
 static void state_at(const pieces *b, dd since, dd x, double *restrict place,
                      double *restrict speed, double *restrict path)
 {

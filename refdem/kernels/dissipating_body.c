@@ -1,5 +1,5 @@
-/* A body with damping inside: its angular momentum stays in space while its energy goes (Bloch,
- * Krishnaprasad, Marsden and Ratiu, Commun. Math. Phys. 175 (1996) 1: the double bracket).
+/* A body with internal damping: its angular momentum is constant in space, and its energy decreases
+ * (Bloch, Krishnaprasad, Marsden and Ratiu, Commun. Math. Phys. 175 (1996) 1: the double bracket).
  *
  * In principal axes, with w = J^-1 L and the rate of turning W = w + c L x w:
  *   L' = L x W,   q' = q W/2.
@@ -29,7 +29,7 @@ static void expand(const void *system, dd time, series *y, double *scale)
         /* omega = J^-1 L, coefficient k. */
         for (int i = 0; i < 3; i++)
             omega[i][k] = y[i][k] * p->inverse_inertia[i];
-        /* The rate at which the axes turn, omega + damping L x omega. */
+        /* W = omega + c L x omega, the rate at which the axes turn. */
         for (int i = 0; i < 3; i++) {
             int j = (i + 1) % 3;
             int l = (i + 2) % 3;
@@ -39,10 +39,10 @@ static void expand(const void *system, dd time, series *y, double *scale)
         for (int i = 0; i < 3; i++) {
             int j = (i + 1) % 3;
             int l = (i + 2) % 3;
-            /* L' = L x turn. */
+            /* L' = L x W. */
             y[i][k + 1] = (cauchy(y[j], turn[l], k) - cauchy(y[l], turn[j], k)) / (k + 1);
         }
-        /* q' = q (0, turn)/2 of the attitude q = (w, x, v, z). */
+        /* q' = q (0, W)/2 of the attitude q = (w, x, v, z). */
         double half = 0.5 / (k + 1);
         w[k + 1] = -half * (cauchy(x, turn[0], k) + cauchy(v, turn[1], k) + cauchy(z, turn[2], k));
         x[k + 1] = half * (cauchy(w, turn[0], k) + cauchy(v, turn[2], k) - cauchy(z, turn[1], k));

@@ -54,12 +54,16 @@ static inline void tumbling_state_at(const free_body *restrict b, int count,
     double slope = -order * b->slope * period / DD_PI.hi;
     for (int k = 0; k < count; k++) {
         double sign, cosine, sine;
+        /* Psi/2 but for the argument of theta, in half turns x. With the whole number n next to x,
+         * cos(pi x) = (-1)^n cos(pi (x - n)), and alike for the sine. */
         double half_turns = fraction(b->mean, two_sum(t[k], -b->t0), &sign);
         half_turns = fma(slope, p.f[k] - b->f0, half_turns);
         double whole = nearest(half_turns);
         double odd = whole - 2.0 * nearest(0.5 * whole);
         sine_cosine_pi(half_turns - whole, &sine, &cosine);
         sign = fma(-2.0 * fabs(odd), sign, sign);
+        /* turn + i twist = exp(i pi x) z up to a factor > 0, with z = theta conj(theta(t0)) or, for
+         * order 1, its conjugate. */
         double re = fma(theta_re[k], b->cos0, theta_im[k] * b->sin0);
         double im = -order * fma(theta_im[k], b->cos0, -(theta_re[k] * b->sin0));
         double turn = sign * fma(cosine, re, -(sine * im));

@@ -57,7 +57,7 @@ static void measure(gas *g, share *t, int rank, double time)
                 t->was[m] = 0;
             continue;
         }
-        if (t->contacts == g->p->most_contacts) { /* the caller has to give more room */
+        if (t->contacts == g->p->most_contacts) { /* the caller must provide more memory */
             t->failed = NO_ROOM;
             return;
         }
@@ -66,14 +66,14 @@ static void measure(gas *g, share *t, int rank, double time)
         c->b = t->b[m];
         c->overlap = d;
         copy3(c->n, n);
-        if (!number_before && t->events < g->most) { /* it begins */
+        if (!number_before && t->events < g->most) { /* the contact begins in this step */
             t->event[2 * t->events] = time;
             t->event[2 * t->events + 1] = (double)g->now.label[c->a];
         }
         t->events += !number_before;
         if (g->p->friction > 0.0) {
-            /* The spring of the contact before; below 0: of (b, a), whose vectors have the other
-             * sign. */
+            /* The tangential spring of the same contact in the step before. A number below 0 means
+             * that this was the pair (b, a), whose vectors have the opposite sign. */
             const contact *contact_before = NULL;
             double sign = 1.0;
             if (number_before > 0)
@@ -173,7 +173,7 @@ static void rotate(const double *w, double time, const double *q, double *out)
  * attitude is turned only here, up to the moment at which its spin changes. */
 static void kick(gas *g, share *t, int64_t taken)
 {
-    /* v += h/2 f/m, w += h/2 torque/J: the impulses of `gather` */
+    /* v += h/2 f/m, w += h/2 torque/J, with the changes that `gather` has summed. */
     double most = t->fastest * t->fastest;
     for (int64_t m = 0; m < t->touched; m++) {
         int64_t i = t->marked[m];
@@ -283,14 +283,14 @@ static void run_share(void *shared, int rank)
     rebuild(g, t, rank);
     if (measure_and_gather(g, t, rank, 0))
         return;
-    t->events = 0; /* what touches at the start does not begin to */
+    t->events = 0; /* contacts of the initial state are not events */
     record(g, t, rank, 0, 0);
     for (int64_t taken = 1, s = 1; s < g->samples; s++) {
         for (int64_t last = s * g->stride; taken <= last; taken++) {
             kick(g, t, taken - 1);
             drift(g, t);
             wait_for_all(&g->team);
-            /* Two bodies may have come closer by twice the way of the fastest one. */
+            /* Two bodies can have approached by twice the distance that the fastest has moved. */
             t->way += fabs(g->h) * fastest(g);
             if (2.0 * t->way > g->skin)
                 rebuild(g, t, rank);

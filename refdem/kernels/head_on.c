@@ -74,6 +74,7 @@ static void state_at(const damped *p, double t, double *restrict overlap, double
         s_rate = cosh(p->frequency * t);
         s = sinh(p->frequency * t) / p->frequency;
     }
+    /* d = exp(-b t) S,   d' = exp(-b t) (S' - b S). */
     *overlap = decayed * s;
     *rate = decayed * (s_rate - p->decay * s);
 }
@@ -103,7 +104,7 @@ int refdem_head_on(double mass1, double mass2, double stiffness, double damping,
     for (int64_t row = 0; row < samples; row++, out += COLUMNS) {
         double since = t[row] - begin;
         bool presses = since >= 0.0 && since < contact.end;
-        /* Before the touch the spheres close at a constant speed. */
+        /* Before the touch the spheres approach at a constant speed. */
         double d = overlap + closing * t[row];
         double d_rate = closing;
         if (presses) {

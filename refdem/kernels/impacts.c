@@ -21,7 +21,8 @@
 
 enum { LINE = 64 };
 
-/* The next `bytes` of the room, rounded up to whole cache lines. */
+/* The address of the next `bytes` of `room`, which are rounded up to whole cache lines; NULL
+ * without `room`. */
 static void *claimed(char *room, int64_t *used, size_t bytes)
 {
     void *at = NULL;

@@ -7,9 +7,9 @@
  *
  * A spring from a to b with d = r_b - r_a pulls a with k (1 - s/|d|) d, and b with the opposite of
  * it; s is its length without force. State (2 N + S): angles since the start [rad], rates [rad/s],
- * and log |d| of each spring. Its singularity stops the integration where |d| = 0 and the pull has
- * no direction, even if the pull has a regular series up to there, as for points that pass straight
- * through each other.
+ * and log |d| of each spring. Where |d| = 0 the pull has no direction. The singularity of log |d|
+ * stops the integration there even if the pull has a regular series, as for points that pass
+ * straight through each other.
  */
 #include <assert.h>
 
@@ -36,7 +36,7 @@ static void place(const rods *p, int i, const double *s, const double *c, series
                   series *cosine, series *r, int n)
 {
     const double *aim = p->aim + 2 * i;
-    /* Exact at the start, so that what stands upright stays. */
+    /* Exact at the start, where a = 0, so that a rod that stands upright at rest stays so. */
     (*sine)[n] = aim[0] * c[n] + aim[1] * s[n];
     (*cosine)[n] = aim[1] * c[n] - aim[0] * s[n];
     r[0][n] = p->length[i] * (*sine)[n];
@@ -68,6 +68,7 @@ static void stretch(double stiffness, double rest, spring *e, int n)
             = (e->squared[n] - cauchy_rest(e->distance, e->distance, n)) / (2.0 * e->distance[0]);
         e->inverse[n] = -cauchy_rest(e->distance, e->inverse, n) / e->distance[0];
     }
+    /* k (1 - s/|d|). */
     e->strength[n] -= stiffness * rest * e->inverse[n];
 }
 
@@ -123,7 +124,7 @@ static void expand(const void *system, dd time, series *y, double *scale)
             y[p->rods + i][n + 1] = along / (p->mass[i] * p->length[i]) / (n + 1);
         }
     }
-    /* Sizes with which the last coefficients decide the step. */
+    /* Sizes relative to which the last coefficients determine the step. */
     double rate = 0.0;
     for (int i = 0; i < p->rods; i++)
         rate = fmax(rate, fabs(y[p->rods + i][0]));

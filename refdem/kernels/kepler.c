@@ -8,7 +8,8 @@
  * towards periapsis and Q a quarter turn on,
  *   r = a (cos E - e) P + a sqrt(1 - e^2) sin E Q,
  *   v = n a/(1 - e cos E) (sqrt(1 - e^2) cos E Q - sin E P).
- * The mean anomaly counts from periapsis in double-double: near it M is small, and so is its error.
+ * The mean anomaly is measured from periapsis in double-double, so that its error is small where M
+ * is small.
  */
 #include <assert.h>
 
@@ -48,7 +49,7 @@ static void solve_kepler(const orbit *o, dd mean, double *restrict c, double *re
 {
     double m = mean.hi;
     double anomaly = m + copysign(0.85 * o->e, m);
-    if (fabs(m) < 0.1 * o->one_minus_e) /* near the pericentre M = (1 - e) E */
+    if (fabs(m) < 0.1 * o->one_minus_e) /* near periapsis M = (1 - e) E */
         anomaly = m / o->one_minus_e;
     /* With f1 = 1 - e cos E, f2 = e sin E, f3 = e cos E, the first three derivatives of f:
      *   d1 = -f/f1,   d2 = -f/(f1 + d1 f2/2),   d3 = -f/(f1 + d2 f2/2 + d2^2 f3/6),
@@ -86,6 +87,8 @@ static int prepare(orbit *o, double gm, const double *restrict position,
         r[i] = dd_of(position[i]);
         v[i] = dd_of(velocity[i]);
     }
+    /* alpha = 2/r - v^2/gm, a = 1/alpha, e cos E0 = 1 - r alpha, e sin E0 = (r.v) sqrt(alpha/gm),
+     * 1 - e^2 = (r^2 v^2 - (r.v)^2) alpha/gm. */
     dd distance = dd_sqrt(dd_dot(r, r));
     dd alpha = dd_sub(dd_div(dd_of(2.0), distance), dd_div(dd_dot(v, v), mu));
     if (!(alpha.hi > 0.0)) /* a parabola or hyperbola */
@@ -107,6 +110,7 @@ static int prepare(orbit *o, double gm, const double *restrict position,
         cos_e0 = dd_div(e_cos_e0, e);
         sin_e0 = dd_div(e_sin_e0, e);
     }
+    /* n = sqrt(gm alpha^3), M0 = E0 - e sin E0. */
     o->rate = dd_mul(alpha, dd_sqrt(dd_mul(mu, alpha)));
     o->start = dd_sub(e0, e_sin_e0);
     o->e = e.hi;
@@ -168,6 +172,7 @@ int refdem_kepler_run(const double *motion)
         }
         double cos_e, sin_e;
         int odd;
+        /* M = M0 + n (t - t0). */
         dd mean = dd_add(o->start, dd_mul(o->rate, two_sum(t[n], -o->t0)));
         solve_kepler(o, dd_reduced(mean, period, &odd), &cos_e, &sin_e);
         /* 1 - cos E, as sin^2 E/(1 + cos E) where the difference would cancel. Then
@@ -176,6 +181,8 @@ int refdem_kepler_run(const double *motion)
         double one_minus_cos = 1.0 - cos_e;
         if (cos_e > 0.0)
             one_minus_cos = small;
+        /* r = a (cos E - e) P + a sqrt(1 - e^2) sin E Q, and
+         * v = n a/(1 - e cos E) (sqrt(1 - e^2) cos E Q - sin E P). */
         double along_p = o->a * (o->one_minus_e - one_minus_cos);
         double along_q = o->a * o->root_one_minus_e2 * sin_e;
         double speed_over_radius = o->speed / (o->one_minus_e + o->e * one_minus_cos);

@@ -3,15 +3,15 @@
  *
  * D. Levesque and L. Verlet, J. Stat. Phys. 72 (1993) 519; here in velocity form,
  *   kick V += [h/2 a(X)],   drift X += [h V],   kick V += [h/2 a(X)],
- * [] to the nearest whole number, a(x) = (weight - k |x|^n sgn x - cubic x^3)/m. With time reversed
- * the same whole numbers are taken away again. Nothing is lost in large sums either.
+ * with [] the nearest whole number. Reversed in time, the method subtracts the same whole numbers.
+ * Sums of whole numbers have no rounding errors.
  */
 #include <assert.h>
 
 #include "kernels.h"
 #include "simd.h"
 
-/* a(x) [m/s^2]. */
+/* a(x) = (weight - k |x|^n sgn x - cubic x^3)/m [m/s^2]. */
 static inline double acceleration(const refdem_lattice *p, double x)
 {
     double spring_force = p->stiffness * x;

@@ -15,8 +15,8 @@
  *   X = f/(2 W) Im Z,   V = f/(2 W) Im(L Z),   Z = exp(i psi) K(L, i w) + exp(-i psi) K(L, -i w),
  *   K(L, M) = exp(M s) (exp((L - M) s) - 1)/(L - M),
  *
- * which loses nothing at resonance, where L = M. Where damping is heavy: the steady motion, less
- * the free one that has its state at the start.
+ * which does not cancel at resonance, where L = M. Where damping is heavy: the steady motion, less
+ * the free motion that has the state of the steady one at the start.
  */
 #include <assert.h>
 #include <complex.h>
@@ -34,6 +34,7 @@ typedef struct {
 /* w0^2 = k/m, b = c/(2 m). */
 static linear prepare(double mass, double stiffness, double damping)
 {
+    /* gap = w0^2 - b^2 = +-W^2. */
     dd m = dd_of(mass);
     dd square = dd_div(dd_of(stiffness), m);
     dd b = dd_div(dd_scale(dd_of(damping), 0.5), m);
@@ -77,6 +78,7 @@ static void free_motion(const linear *p, dd s, double from, double speed, double
 {
     double c, d;
     double b = p->decay.hi;
+    /* X = X0 C + (b X0 + V0) D,   V = V0 C - (w0^2 X0 + b V0) D. */
     double square = p->rate.hi * p->rate.hi;
     shapes(p, s, &c, &d);
     *x = fma(from, c, fma(b, from, speed) * d);
@@ -106,6 +108,8 @@ static double complex response(dd decay, dd gap, dd w, dd s)
 static void add_lightly_damped(const linear *p, dd s, double f, double w, double c0, double s0,
                                double *restrict x, double *restrict v)
 {
+    /* Z = exp(i psi) K(L, i w) + exp(-i psi) K(L, -i w), X += f/(2 W) Im Z, V += f/(2 W) Im(L Z).
+     */
     dd up = dd_of(w);
     dd b = p->decay;
     dd wide = p->width;
@@ -137,12 +141,13 @@ static void add_drive(const linear *p, dd s, double mass, const double *restrict
     double c0, s0;
     double f = d[0] / mass;
     double w = d[1];
-    dd start = dd_add(two_product(w, t0), dd_of(d[2]));
+    dd start = dd_add(two_product(w, t0), dd_of(d[2])); /* psi = w t0 + phase */
     turned(start, &c0, &s0);
     if (p->kind == UNDER && p->decay.hi < 0.5 * p->rate.hi) {
         add_lightly_damped(p, s, f, w, c0, s0, x, v);
         return;
     }
+    /* Steady motion at s, less the free motion from the steady state x0, v0 at s = 0. */
     double c, sine, x0, v0, x1, v1;
     turned(dd_add(start, dd_scale(s, w)), &c, &sine);
     steady_motion(p, f, w, c0, s0, &x0, &v0);

@@ -92,11 +92,12 @@ int refdem_rectangle(double width, double height, const double *restrict start, 
             c[wall].count++;
             find_next_wall(&c[wall]);
         }
+        /* Coordinate and velocity are mirrored after an odd number of bounces on that axis. */
         for (int i = 0; i < 2; i++) {
             double mirrored = 1.0;
             if (c[i].count % 2 == 1)
                 mirrored = -1.0;
-            if (i == wall) /* on the wall that it has just met, exactly */
+            if (i == wall) /* exactly on the wall of the last bounce */
                 out[4 * k + i] = -mirrored * c[i].sense * 0.5 * c[i].size;
             else if (bounces > 0)
                 out[4 * k + i] = fold(&c[i], t);

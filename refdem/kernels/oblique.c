@@ -81,6 +81,7 @@ static motion begin(const pair *p, const double *start)
     double limit = INFINITY; /* pressed: a slack spring sticks */
     if (m.limit_zeros)       /* a touch: the limit grows with the force */
         limit = p->stiffness * m.y[G];
+    /* u = l_i w_i + l_j w_j - q, with l = R - branch d. */
     double slip = (p->radius_i - p->branch * m.y[D]) * m.y[SPIN_I]
                   + (p->radius_j - p->branch * m.y[D]) * m.y[SPIN_J] - m.y[Q];
     m.side = sign_of(slip);
@@ -100,9 +101,11 @@ static inline void measure(const pair *p, const motion *m, segment *restrict z,
     double wi = z->y[SPIN_I][n];
     double wj = z->y[SPIN_J][n];
     double spins = wi + wj;
+    /* F = k d + c g,   u = R_i w_i + R_j w_j - q - branch d (w_i + w_j). */
     z->force[n] = p->stiffness * d + p->damping * z->y[G][n];
     z->slip[n] = p->radius_i * wi + p->radius_j * wj - z->y[Q][n]
                  - p->branch * coefficient(&by->d_spins, d, spins, n);
+    /* f = -k_t s where it sticks, -side mu F where it slips. */
     z->across[n] = 0.0;
     if (m->mode == STICK)
         z->across[n] = -p->tangential_stiffness * z->spring[n];
@@ -120,7 +123,7 @@ static inline void expand_work(const pair *p, const motion *m, segment *restrict
     double sign = -1.0;
     if (m->mode == FREE)
         sign = 0.0;
-    /* Known coefficients, and zeros up to a whole vector. */
+    /* The coefficients, followed by zeros up to a whole vector. */
     memset(power, 0, sizeof power);
     memset(g, 0, sizeof g);
     memset(slip, 0, sizeof slip);
@@ -164,6 +167,7 @@ static void expand(const pair *p, const motion *m, segment *restrict z)
         if (n > 0)
             o = (q + fma(d, o_0, by.d_o.sum[n])) * inverse_distance;
         double lever_change = p->branch * coefficient(&by.d_f, d, f, n);
+        /* d' = g,  g' = -q o - F/m,  q' = g o - f/m,  J w' = (R - branch d) f,  s' = u. */
         z->y[D][n + 1] = g * inverse;
         z->y[G][n + 1] = -(coefficient(&by.q_o, q, o, n) + p->inverse_mass * z->force[n]) * inverse;
         z->y[Q][n + 1] = (coefficient(&by.g_o, g, o, n) - p->inverse_mass * f) * inverse;

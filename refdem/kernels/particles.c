@@ -24,10 +24,12 @@ typedef struct {
     int64_t most, events;         /* room for events, and those kept */
 } course;
 
-static const double SLACK = 1e-15;     /* a guard of at most this size is at zero */
+static const double SLACK = 1e-15;     /* a guard of at most this size counts as zero */
 static const double SHORTEST = 1e-6;   /* part of a step: shorter pieces are not tried */
-static const double EDGE = 1.0 / 16.0; /* part of a step: where guards are seen to fall and rise */
-static const double NARROW = 1e-4;     /* part of a step: a dip as narrow as this is seen */
+static const double EDGE = 1.0 / 16.0; /* part of a step: distance from its ends of the two states
+                                          at which the slopes of guards are tested */
+static const double NARROW = 1e-4;     /* part of a step: width at which the search for a minimum
+                                          of a guard ends */
 
 /* The guard of that kind of pair k at a fraction of the step h, by a step that ends there;
  * overwrites c->next and c->rate. */
@@ -83,7 +85,7 @@ static double zero_of_guard(const runner *r, course *c, int64_t k, int kind, dou
     for (int tries = 0; tries < 80 && high - low > 2e-16 * high; tries++) {
         fraction = (low * at_high - high * at_low) / (at_high - at_low);
         fraction = fmin(fmax(fraction, low + 1e-16 * high), high);
-        if (tries > 40) /* where the rule creeps: bisection */
+        if (tries > 40) /* bisection, where the rule converges slowly */
             fraction = 0.5 * (low + high);
         double value = guard_at(r, c, k, kind, h, fraction);
         if (value == 0.0 || fraction == high || fraction == low)
@@ -121,9 +123,9 @@ static void interpolate(const runner *r, const course *c, double h, double x, do
     rates(r->p, r->mode, y, dy);
 }
 
-/* Which guards of pair k fall at the start of the step and rise towards its end, as one does that
- * dips below zero in between: bits by kind. early and late: states near both ends, last: the guards
- * at the end. */
+/* The guards of pair k, as bits by kind, that decrease at the start of the step and increase
+ * towards its end: such a guard may be below zero in between. `early` and `late` are the states at
+ * EDGE and 1 - EDGE, followed by their rates; `last` has the guards at the end. */
 static int dipping(const runner *r, const course *c, int64_t k, const double *early,
                    const double *late, const double *last)
 {
@@ -138,8 +140,8 @@ static int dipping(const runner *r, const course *c, int64_t k, const double *ea
     return dips;
 }
 
-/* Fraction of the step h at which such a guard is lowest, by golden section, or the first one seen
- * at which it fails; its value there in `value`. */
+/* Fraction of the step h at which such a guard has its minimum, by golden-section search, or the
+ * first fraction of the search at which it is below zero; its value there in `value`. */
 static double lowest_of_guard(const runner *r, course *c, int64_t k, int kind, double h,
                               double *restrict value)
 {
@@ -149,7 +151,7 @@ static double lowest_of_guard(const runner *r, course *c, int64_t k, int kind, d
     double a = 1.0 - golden;
     double b = golden;
     double at_a = guard_at(r, c, k, kind, h, a);
-    double at_b = INFINITY; /* not evaluated if the earlier one fails already */
+    double at_b = INFINITY; /* not evaluated if the guard is below zero at a */
     if (!(at_a < -SLACK))
         at_b = guard_at(r, c, k, kind, h, b);
     while (!(fmin(at_a, at_b) < -SLACK) && high - low > NARROW) {
@@ -173,9 +175,9 @@ static double lowest_of_guard(const runner *r, course *c, int64_t k, int kind, d
     return b;
 }
 
-/* The first guard that fails within the step, as (fraction, pair, kind); 0 if none does, and then
- * c->next is the end of the step. With extrapolation, which claims round-off, guards that fail
- * only between the ends of the step are found too. */
+/* The first guard that becomes negative within the step, as (fraction, pair, kind). Returns 0 if
+ * there is none, and then c->next is the end of the step. With extrapolation, which claims errors
+ * of round-off, guards that are negative only inside the step are found too. */
 static int locate(const runner *r, course *c, double h, double *fraction, int64_t *pair, int *kind)
 {
     int found = 0;
@@ -189,7 +191,7 @@ static int locate(const runner *r, course *c, double h, double *fraction, int64_
         interpolate(r, c, h, 1.0 - EDGE, late, late + r->size);
     }
     for (int64_t k = 0; k < r->p->pairs; k++) {
-        if (end_is_lost) { /* searches overwrite the end of the step */
+        if (end_is_lost) { /* searches have overwritten the end of the step: repeat it */
             step(r, c->y, c->dy, h, c->next, c->rate);
             end_is_lost = 0;
         }
@@ -250,7 +252,7 @@ static void accept(const runner *r, course *c)
             continue;
         contact m = measure(p, k, c->y);
         double slip_speed = size(m.slip);
-        if (!(slip_speed > slip_floor(p, &m))) /* rounding has no direction */
+        if (!(slip_speed > slip_floor(p, &m))) /* a slip of rounding errors has no direction */
             continue;
         for (int i = 0; i < 3; i++)
             c->y[history_at(p) + 3 * k + i] = m.slip[i] / slip_speed;
@@ -320,7 +322,7 @@ static double converged_step(const runner *r, course *c, double piece, double h,
             return piece;
         int is_shortest = fabs(piece) <= SHORTEST * fabs(h);
         if (is_shortest || !is_finite(r, c->y))
-            *rough = 1; /* once more as it is: that step is kept */
+            *rough = 1; /* the same step again, which is then accepted */
         else
             piece *= 0.5;
     }
@@ -343,7 +345,7 @@ static void advance(runner *r, course *c, double t, double h)
         if (!may_leave || !locate(r, c, piece, &fraction, &pair, &kind)) {
             accept(r, c);
             left -= piece;
-            if (r->mode[pair] == FADE) { /* that slip did not end in this piece after all */
+            if (r->mode[pair] == FADE) { /* the slip has not ended in this piece */
                 r->mode[pair] = SLIP;
                 rates(r->p, r->mode, c->y, c->dy);
             }
@@ -356,7 +358,7 @@ static void advance(runner *r, course *c, double t, double h)
             r->mode[pair] = FADE;
             continue;
         }
-        if (fraction > 0.0) { /* up to the event */
+        if (fraction > 0.0) { /* the piece up to the event */
             step(r, c->y, c->dy, fraction * piece, c->next, c->rate);
             accept(r, c);
             left -= fraction * piece;

@@ -140,17 +140,20 @@ static void prepare(pendulum *b, dd s, dd c, dd omega, dd w0)
     if (rest.hi >= 0.0)
         b->kind = SWINGING;
     b->k = k.hi;
-    /* A rotation, or the separatrix, is only ever positive: a negative one is mirrored. */
+    /* The formulas of a rotation and of the separatrix have theta' > 0: a negative one is mirrored.
+     */
     if (omega.hi < 0.0 && (b->kind == ROTATING || rest.hi == 0.0)) {
         b->sign = -1.0;
         sine = dd_neg(sine);
         p = dd_neg(p);
     }
     if (b->kind == SWINGING) {
+        /* At the start sn u0 = S/k, cn u0 = P/k, dn u0 = C. */
         b->j = jacobi_prepare(square, rest);
         b->rate = w0;
         b->start = jacobi_inverse(&b->j, dd_div(sine, k), dd_div(p, k), cosine);
     } else {
+        /* At the start sn u0 = S, cn u0 = C, dn u0 = P/k. */
         b->j = jacobi_prepare(dd_div(one, square), dd_div(dd_neg(rest), square));
         b->rate = dd_mul(k, w0);
         b->start = jacobi_inverse(&b->j, sine, cosine, dd_div(p, k));
@@ -186,7 +189,7 @@ static inline void angles_at(const pendulum *restrict b, double t0, int count,
         modulus = b->k;
     }
     /* sin theta = 2 S C,  cos theta = C^2 - S^2,  theta' = 2 w0 P */
-    double twice = 2.0 * b->sign;
+    double twice = 2.0 * b->sign; /* the sign mirrors theta and theta' */
     double rate = twice * b->w0 * b->k;
     for (int k = 0; k < count; k++) {
         double sine = modulus * p.sn[k];
@@ -209,6 +212,7 @@ static inline void place(const run *restrict m, int count, const angles *restric
         across[i] = m->length * m->across[i];
     }
     for (int k = 0; k < count; k++) {
+        /* r = anchor + l (s across + c down),  v = theta' l (c across - s down). */
         double s = a->s[k];
         double c = a->c[k];
         double omega = a->omega[k];

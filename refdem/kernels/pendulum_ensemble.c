@@ -5,9 +5,9 @@
  * Lubich and Wanner, V.3): for each i drift theta += d_i theta', kick theta' -= c_i h w0^2 sin
  * theta, and a last drift, d_i = (c_(i-1) + c_i) h/2 with c_0 = c_(s+1) = 0.
  *
- * Angles are counted in half turns while they are carried, as are rates: what is taken off them is
- * then a whole number. The sine is a polynomial interpolated at Chebyshev's nodes on -1/2..1/2 half
- * turns.
+ * During the integration angles are measured in half turns, and rates in half turns a second: the
+ * reduction of an angle then subtracts a whole number. The sine is a polynomial that interpolates
+ * at Chebyshev's nodes on -1/2..1/2 half turns.
  */
 #include <assert.h>
 
@@ -77,6 +77,7 @@ int refdem_pendulum_ensemble(int stages, const double *weight, double square, do
     set_stages(stages, weight, h, drift, kick);
     for (int s = 0; s < stages; s++)
         kick[s] *= square;
+    /* With a = theta/pi and w = theta'/pi the kick is w -= c h w0^2 sin(pi a)/pi. */
     dd per_half_turn = dd_div(dd_of(1.0), DD_PI);
     for (int64_t first = 0; first < members; first += MEMBERS) {
         int count = MEMBERS;

@@ -78,6 +78,7 @@ static phase falling(const tent *f, double x, double v)
                .x = x,
                .v = v,
                .lasts = INFINITY,
+               /* R cos delta = s, R sin delta = -v/omega. */
                .a = hypot(s, v / f->omega),
                .lag = atan2(-v / f->omega, s)};
     if (p.lag < 0.0)
@@ -102,7 +103,10 @@ static phase enter(const tent *f, int region, double x, double v)
     return free_flight(f, region, x, v);
 }
 
-/* x [m] and v [m/s] at t [s] after the start of a phase. */
+/* x [m] and v [m/s] at t [s] after the start of a phase:
+ *   x = x1 + A exp(lambda t) + B exp(-lambda t),   v = lambda (A exp(lambda t) - B exp(-lambda t)),
+ *   x = x2 + R cos(omega t + delta),               v = -omega R sin(omega t + delta),
+ * or x + v t outside the field. */
 static void state_at(const tent *f, const phase *p, double t, double *restrict x,
                      double *restrict v)
 {

@@ -7,8 +7,8 @@
  *   since the touch   T(y) = y 2F1(1/2, a; 1+a; y^(n+1)),    dT/dy = 1/sqrt(1 - y^(n+1)),
  *   before the turn   U(s) = 2a s 2F1(1-a, 1/2; 3/2; s^2),   dU/ds = 2a (1 - s^2)^(a-1).
  *
- * Each is inverted by Newton's rule where the argument of its series is the smaller one. From
- * touch to turn it takes T(1) = sqrt(pi) Gamma(1+a)/Gamma(a+1/2).
+ * Each is inverted by Newton's method where the argument of its series is the smaller one. The time
+ * from touch to turn is T(1) = sqrt(pi) Gamma(1+a)/Gamma(a+1/2).
  */
 #include <assert.h>
 

@@ -103,6 +103,7 @@ static dd phase(const power_law *b, double y, double w)
 static power_law prepare(double mass, double stiffness, double exponent, double x, double v)
 {
     power_law b = {.p = exponent + 1.0, .inverse_p = 1.0 / (exponent + 1.0)};
+    /* y^p = w^2 = 1/2 at y = 2^(-1/p); the quarter is q(y) + s(sqrt(1/2)) there. */
     double y_middle = exp2(-b.inverse_p);
     double speed = sqrt(2.0 * stiffness / (mass * b.p));
     b.turn = from_turning(&b, sqrt(0.5)).hi;

@@ -10,10 +10,10 @@
  *   kick          v += h/2 a(x)
  *   hold rates    v -= M^-1 G(d)^T mu,  G(d) v = 0
  *
- * where lambda is found by Newton's rule to round-off, and mu by one linear solve. Positions and
- * velocities carry the rounding errors of their sums (Kahan), so that round-off does not
- * accumulate. The rod
- * force is the exact one of the sampled state, from d.d'' + d'.d' = 0:
+ * where lambda is found by Newton's method to round-off, and mu by one linear system of equations.
+ * Positions and velocities carry the rounding errors of their sums (Kahan 1965), so that round-off
+ * does not accumulate. The tension T of the rods is that of the sampled state, from d.d'' + d'.d' =
+ * 0:
  *
  *   G M^-1 G^T (T/l) = G a + |v_a - v_b|^2.
  */
@@ -243,8 +243,8 @@ enum { MAX_SWEEPS = 60 }; /* Newton's method needs a few, or does not converge a
 #define ROUND_OFF 2.3e-16 /* a relative error of a length that is one rounding */
 #define STALLED 1e-14     /* one within the accumulated roundings of a chain of rods */
 
-/* Newton's rule on the multipliers, G(d) M^-1 G(d0)^T lambda = (|d|^2 - l^2)/2, until the rods'
- * lengths are right to round-off. Returns 0, or 1 if they never are. */
+/* Newton's method for the multipliers, G(d) M^-1 G(d0)^T lambda = (|d|^2 - l^2)/2, until the
+ * lengths of the rods are correct to round-off. Returns 0, or 1 if the method does not converge. */
 static int hold_lengths(const system_of_rods *s, double h, double *restrict x, double *restrict v)
 {
     double worst_before = INFINITY;
@@ -356,7 +356,7 @@ int refdem_rattle(int64_t n, const double *mass, const double *gravity, int64_t 
         .spring_law = spring_law,
         .unknown = unknown,
     };
-    /* The work space, one array after the other. */
+    /* The arrays lie one after the other in the work space. */
     s.acceleration = work;
     s.low_x = s.acceleration + 3 * n;
     s.low_v = s.low_x + 3 * n;

@@ -1,11 +1,11 @@
-/* Springs, dashpots, contacts, fields, drives, rods and Euler's equations for REBOUND: its
- * callbacks, and a loop over its own steps that records.
+/* Springs, dashpots, contacts, fields, drives, rods and Euler's equations for REBOUND, as its
+ * callbacks; and a loop over its own steps that records the state.
  *
- * REBOUND calls back with the address of its simulation (or set of equations) alone. The scene
- * hangs on a pointer that the engine keeps for its users; at which byte of the simulation that
- * pointer is depends on the engine's version, so there is one callback for each such place, and the
- * adapter takes the one for the layout that the installed engine reports. No header of REBOUND is
- * used.
+ * The only argument of a callback is the address of the simulation (or set of equations). The scene
+ * is the target of a pointer that the engine reserves for its users. The offset of this pointer in
+ * the simulation depends on the engine's version. There is therefore one callback for each offset,
+ * and the adapter chooses that of the layout which the installed engine reports. No header of
+ * REBOUND is used.
  *
  * Forces on a, their opposites on b, with d = x_a - x_b, w = v_a - v_b:
  *   spring   -(k |s|^e sgn s + k2 s^2 + k3 s^3) d/|d|,   s = |d| - length
@@ -13,9 +13,9 @@
  *   contact  (k o^e + damping o') d/|d|,   o = reach - |d| > 0, o' = -w.d/|d|
  *   drive    F cos(frequency t + phase) axis
  *   rod      -lambda d,   lambda = (w.w + d.(a_a - a_b))/(d.d (1/m_a + 1/m_b)),
- * from d.d'' + w.w = 0, divided by d.d, not by length^2: then d.d'' + w.w = 0 holds for any drift
- * of |d|, which therefore grows as t and not exponentially. Bodies that turn: Euler's equations J
- * w' = (J w) x w in body axes and q' = q w/2.
+ * from d.d'' + w.w = 0. The division is by d.d and not by length^2, so that d.d'' + w.w = 0 holds
+ * for any drift of |d|, which therefore grows as t and not exponentially. Bodies that turn obey
+ * Euler's equations J w' = (J w) x w in body axes and q' = q w/2.
  */
 #define _POSIX_C_SOURCE 200809L
 #include <assert.h>

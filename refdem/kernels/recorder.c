@@ -1,5 +1,5 @@
-/* Recorder: one compiled loop over any engine's own step function, which copies its state from the
- * engine's own memory. */
+/* A compiled loop that calls the step function of any engine, and copies the engine's state from
+ * the engine's memory after every `stride` steps. */
 #include <assert.h>
 #include <string.h>
 
@@ -7,7 +7,8 @@
 
 typedef void (*engine_step)(void *, void *);
 
-/* Copies size[i] doubles from each source to `row`; returns the place of the next row. */
+/* Copies size[i] doubles from source[i] to `row`, for all i one after the other; returns the
+ * address of the next row. */
 static double *copy_state(int64_t n_source, void *const *source, const int64_t *size, double *row)
 {
     for (int64_t i = 0; i < n_source; i++) {
@@ -17,7 +18,7 @@ static double *copy_state(int64_t n_source, void *const *source, const int64_t *
     return row;
 }
 
-/* Rows of all samples in `out`, from `stride` calls of step(a, b) between two of them. */
+/* Writes row k of `out`, the state after k stride calls of step(a, b), for all samples k. */
 int refdem_record(void *step, void *a, void *b, int64_t samples, int64_t stride, int64_t n_source,
                   void *const *source, const int64_t *size, double *out)
 {

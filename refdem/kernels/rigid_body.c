@@ -10,8 +10,8 @@
  *
  * The first part turns the body about L in space by |L| t/J_m, in one rotation for any time; of
  * the sum two axes are left, and turn in each other's flow: a half step, a whole one, a half
- * (Fasso, J. Comput. Phys. 189 (2003) 527). Turns about all three axes would leave an error that
- * grows as J_3/J_1: for a needle, two long turns that nearly cancel.
+ * (Fasso, J. Comput. Phys. 189 (2003) 527). A splitting into rotations about all three axes would
+ * have an error that grows as J_3/J_1: for a needle two large rotations nearly cancel.
  */
 #include <assert.h>
 
@@ -348,9 +348,9 @@ static int frame_away_from_pole(const double *angle, int frame)
     return n_z * n_z > 0.5;
 }
 
-/* Writes the angles in the other frame where this one comes near its pole. Between two steps and to
- * round-off, so that every step is one of the method in coordinates that are smooth there, and the
- * order stays. */
+/* Replaces the angles by those in the other frame where this frame is close to its pole. The change
+ * is made between two steps and exactly up to round-off: every step is then a step of the method in
+ * coordinates that are smooth there, so that its order is preserved. */
 static void change_frame(double *restrict y, double *restrict low, int *frame)
 {
     int next = frame_away_from_pole(y, *frame);

@@ -7,9 +7,9 @@
  *   A_ij = mu_max(i,j) l_i l_j cos(th_i - th_j),   B_ij = mu_max(i,j) l_i l_j sin(th_i - th_j),
  *   G = gravity - pivot'',   pivot'' = -drive Omega^2 cos(Omega t + phase).
  *
- * The matrix A is factored once a step; its Taylor coefficients of higher order go to the other
- * side. The pivot does work at the rate F.pivot', F = sum mu_i l_i (sin th_i, -cos th_i)'' - mu_1
- * G. State (2 N + 1): angles since the start [rad], rates [rad/s], work [J].
+ * The matrix A is factored once a step; its Taylor coefficients of higher order are moved to the
+ * right side. The pivot does work at the rate F.pivot', F = sum mu_i l_i (sin th_i, -cos th_i)'' -
+ * mu_1 G. State (2 N + 1): angles since the start [rad], rates [rad/s], work [J].
  */
 #include <assert.h>
 
@@ -29,8 +29,9 @@ typedef struct {
                           pivot make of a chain at rest */
 } chain;
 
-/* Sine and cosine of the whole angle from those since the start: exact there, so that what stands
- * upright stays. */
+/* Sine and cosine of th = th_0 + a from those of the angle a since the start:
+ *   sin th = sin th_0 cos a + cos th_0 sin a,   cos th = cos th_0 cos a - sin th_0 sin a.
+ * They are exact for a = 0, so that a chain that stands upright at rest stays so. */
 static void add_start_angle(const double *restrict aim, double *restrict s, double *restrict c)
 {
     double sine = *s;
@@ -42,7 +43,7 @@ static void add_start_angle(const double *restrict aim, double *restrict s, doub
 /* mu_max(i,j) l_i l_j. */
 static double coupling(const chain *p, int i, int j)
 {
-    int lower = i; /* of the two bobs: it and those below it move with both rods */
+    int lower = i; /* the lower of both bobs: it and those below it move with both rods */
     if (j > i)
         lower = j;
     return p->load[lower] * p->length[i] * p->length[j];
@@ -79,8 +80,9 @@ static void solve(int n, double m[MOST][MOST], double *b)
     }
 }
 
-/* G and the pivot's velocity along both axes of the plane as series about a time. `power` is
- * Omega^(k+1)/k!; the derivatives of cos are cos, -sin, -cos, sin. */
+/* G = gravity + drive Omega^2 cos(Omega t + phase) and the pivot's velocity -drive Omega sin(Omega
+ * t + phase) along both axes of the plane, as series about a time. `power` is Omega^(k+1)/k!; the
+ * derivatives of cos are -sin, -cos, sin, cos. */
 static void expand_pivot(const chain *p, dd time, series *g, series *velocity)
 {
     double cosine, sine;

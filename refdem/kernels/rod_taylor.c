@@ -1,15 +1,17 @@
 /* A point on a rigid rod in uniform gravity, in Cartesian coordinates, in space: a Taylor method
- * held to its rod.
+ * with projection on the constraint.
  *
  *   r' = v,   v' = g - lambda r,   lambda = (v.v + g.r)/l^2 the multiplier,   tension m l lambda.
- * The rod does no work, (v.v)' = 2 g.v, so that lambda' = 3 g.v/l^2: one product a coefficient, and
- * no division by r.r, whose error would enter (Hairer, Lubich and Wanner, sec. IV.4). After
- * each step the state is projected on |r| = l, r.v = 0. Step: STEP_PART times the radius of
- * convergence, estimated from the last two coefficients (Jorba and Zou, Exp. Math. 14 (2005) 99).
+ *
+ * The rod does no work, (v.v)' = 2 g.v, so that lambda' = 3 g.v/l^2: one scalar product for each
+ * coefficient, and no division by r.r, whose error would enter. After each step the state is
+ * projected on |r| = l, r.v = 0 (Hairer, Lubich and Wanner, sec. IV.4). A step is STEP_PART times
+ * the radius of convergence, which is estimated from the last two coefficients (Jorba and Zou, Exp.
+ * Math. 14 (2005) 99).
  *
  * At small speeds an error e along the rod obeys e'' = -(lambda + g.r/l^2) e. Near the top it grows
- * as exp(t sqrt(2 g/l)) until the state is held again, and there the series converge far beyond
- * that time: so a step is no longer than the inverse of such a rate.
+ * as exp(t sqrt(2 g/l)) until the next projection. The series converge there for much longer times,
+ * so that a step is limited to the inverse of this rate.
  */
 #include <assert.h>
 
@@ -46,8 +48,9 @@ static inline double multiplier(const hanging *restrict m, const wide *restrict 
     return (dot(v, v) + dot(&m->gravity, r)) / (m->length * m->length);
 }
 
-/* Coefficients of r and v from the state, (n+1) v_(n+1) = g - sum over k of lambda_(n-k) r_k, by
- * two sums that do not wait for each other. */
+/* Coefficients of r and v from the state, in two independent sums over even and odd k:
+ *   (n+1) v_(n+1) = (g if n = 0) - sum over k of lambda_(n-k) r_k,   (n+1) r_(n+1) = v_n,
+ *   (n+1) lambda_(n+1) = 3 g.v_n/l^2. */
 static inline void expand(const hanging *restrict m, wide *restrict r, wide *restrict v)
 {
     double lambda[ORDER + 1];
@@ -57,7 +60,7 @@ static inline void expand(const hanging *restrict m, wide *restrict r, wide *res
     for (int n = 0; n < ORDER; n++) {
         double inverse = 1.0 / (n + 1.0);
         wide even_terms = {0.0};
-        if (n == 0) /* the pull is constant in time */
+        if (n == 0) /* gravity is constant in time */
             even_terms = -m->gravity;
         wide odd_terms = {0.0};
         lambda[n + 1] = m->lambda_factor * inverse * dot(&m->gravity, v + n);

@@ -58,6 +58,7 @@ static void expand(const void *system, dd time, series *y, double *scale)
         double f[3];
         double rate = 0.5 / (k + 1);
         weight_in_body(p, q, k, f);
+        /* q' = q (0, w)/2. */
         q[0][k + 1]
             = -rate * (cauchy(q[1], w[0], k) + cauchy(q[2], w[1], k) + cauchy(q[3], w[2], k));
         for (int i = 0; i < 3; i++) {
@@ -66,6 +67,7 @@ static void expand(const void *system, dd time, series *y, double *scale)
             q[i + 1][k + 1]
                 = rate
                   * (cauchy(q[0], w[i], k) + cauchy(q[j + 1], w[m], k) - cauchy(q[m + 1], w[j], k));
+            /* J_i w_i' = (J_j - J_m) w_j w_m + (arm x f)_i. */
             double turning = (p->inertia[j] - p->inertia[m]) * cauchy(w[j], w[m], k)
                              + p->arm[j] * f[m] - p->arm[m] * f[j];
             w[i][k + 1] = turning / p->inertia[i] / (k + 1);
@@ -75,7 +77,7 @@ static void expand(const void *system, dd time, series *y, double *scale)
         scale[i] = 1.0;
     double size = omega_size(w);
     for (int i = 4; i < 7; i++)
-        scale[i] = size; /* 0 at rest in balance, where omega stays 0 */
+        scale[i] = size; /* 0 at rest in equilibrium, where omega stays 0 */
 }
 
 int refdem_spinning_top(const double *inertia, const double *arm, const double *weight,

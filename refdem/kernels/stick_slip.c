@@ -92,8 +92,9 @@ static int64_t crossings(const belt *p, const motion *m, const segment *y, doubl
 }
 
 /* Arguments as in kernels.h. The tangent is normalised after every segment, and the logarithms of
- * its lengths are summed by blocks of the kept time (Benettin et al. 1980), so that the largest
- * exponent is their sum divided by the time. A motion that is no longer finite ends there. */
+ * its lengths are summed in blocks of the time after the transient (Benettin et al. 1980). The
+ * largest exponent is their sum divided by this time. A motion that is no longer finite ends there.
+ */
 REFDEM_EVERY_CPU
 int refdem_stick_slip_section(const refdem_belt *p, int64_t n, const double *frequency,
                               double origin, double x0, double v0, int64_t skip, int64_t keep,
@@ -109,6 +110,7 @@ int refdem_stick_slip_section(const refdem_belt *p, int64_t n, const double *fre
         segment y = {0};
         m.has_tangent = blocks > 0;
         double period = 2.0 * DD_PI.hi / frequency[i];
+        /* The transient of `skip` periods, then `keep` periods of the section. */
         double keep_from = period * (double)skip;
         double keep_until = period * (double)(skip + keep);
         int64_t count = 0;

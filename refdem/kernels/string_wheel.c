@@ -36,10 +36,12 @@ static void expand(const void *system, dd time, series *y, double *scale)
         double counter_weight = 0.0; /* of the mass, constant in time */
         if (k == 0)
             counter_weight = p->counter * p->gravity;
+        /* m r w^2 - M g + m g cos th, and 2 u w + R w^2 + g sin th. */
         double force_along = p->mass * (cauchy(r_w, w, k) + p->gravity * c[k]) - counter_weight;
         double across = 2.0 * cauchy(u, w, k) + p->radius * cauchy(w, w, k) + p->gravity * s[k];
         /* r w' = -across, solved for coefficient k of w'. */
         w_rate[k] = -(across + cauchy_rest(r, w_rate, k)) / r[0];
+        /* r' = u + R w, th' = w, (M + m + J/R^2) u' = force_along. */
         r[k + 1] = (u[k] + p->radius * w[k]) / (k + 1);
         angle[k + 1] = w[k] / (k + 1);
         u[k + 1] = force_along / p->whole / (k + 1);
@@ -60,7 +62,8 @@ int refdem_string_wheel(double mass, double counter, double drag, double radius,
     int failed = taylor_run(expand, &p, 4, y, samples, t, out);
     if (failed)
         return failed;
-    /* Straight down nothing diverges where the pendulum meets the wheel: it is refused here. */
+    /* A pendulum that hangs straight down reaches the wheel, r = 0, without a singularity: such a
+     * motion is refused here. */
     for (int64_t k = 0; k < samples; k++)
         if (!(out[4 * k] > 0.0))
             return (int)k + 1;

@@ -2,9 +2,9 @@
  * step keeps them at round-off:
  *   m X'' = -(k X + q X^2 + c X^3) - (d + e (X + r)^2) X' + m g + sum F cos(w t + phase),
  * and the work done by the motion against damping and drives. Coefficients by the recurrences of
- * products (Jorba and Zou 2005, proposition 1); the phases of the drives are kept in double-double
- * and made anew in every step; what a step adds to the state is summed with what rounding loses
- * (Knuth, TAOCP 4.2.2). Samples are read off the series.
+ * products (Jorba and Zou 2005, proposition 1). The phases of the drives are computed from the time
+ * in double-double in every step. The state is summed in double-double (Knuth, TAOCP 4.2.2).
+ * Samples are values of the series.
  */
 #include <assert.h>
 
@@ -103,17 +103,18 @@ static double growth_factor(const double *restrict a, int last, double h)
     }
     if (tail > 0.0)
         return pow(0x1p-57 * largest / tail, 1.0 / last);
-    return 2.0; /* the series has ended before: twice as far at least */
+    return 2.0; /* the last two terms are 0: the step may grow at least by this factor */
 }
 
-/* A step [s] for all three series, from a first guess: by that factor until it is 1 to 1.25. */
+/* A step [s] for all three series: a first guess, multiplied by 0.95 times the least growth factor
+ * until this factor is between 1 and 1.25. */
 static double step_size(const series *y, double first)
 {
     double h = first;
     for (int tries = 0; tries < 8; tries++) {
         double factor = fmin(growth_factor(y->x, ORDER + 1, h),
                              fmin(growth_factor(y->v, ORDER, h), growth_factor(y->work, ORDER, h)));
-        if (factor >= 1.0 && (factor < 1.25 || tries > 4)) /* long enough, and no longer */
+        if (factor >= 1.0 && (factor < 1.25 || tries > 4)) /* allowed, and long enough */
             break;
         h *= fmin(fmax(0.95 * factor, 0.0625), 8.0);
     }

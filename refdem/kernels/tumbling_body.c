@@ -118,6 +118,7 @@ static double gap_coefficient(const motion *m, const double *arm, int k)
 /* Coefficient k of the friction -friction N s/|s| on a corner that presses, added to its force. */
 static void add_friction(motion *m, corner *corner, int k)
 {
+    /* s = u + c n. */
     for (int i = 0; i < 3; i++)
         corner->slip[i][k] = corner->velocity[i][k] + product(m->normal[i], corner->closing, k);
     corner->slip_squared[k] = dot_coefficient(corner->slip, corner->slip, k);
@@ -143,8 +144,10 @@ static double measure(motion *m, int number, int k)
     for (int i = 0; i < 3; i++) {
         int j = (i + 1) % 3;
         int l = (i + 2) % 3;
+        /* u = V + w x a. */
         contact->velocity[i][k] = velocity[i][k] + omega[j][k] * arm[l] - omega[l][k] * arm[j];
     }
+    /* c = -n.u,   N = -k gap + damping c. */
     contact->closing[k] = -dot_coefficient(m->normal, contact->velocity, k);
     contact->push[k] = -p->stiffness * contact->gap[k] + p->damping * contact->closing[k];
     if (contact->mode == IDLES) /* no force */
@@ -207,6 +210,8 @@ static void expand(motion *m)
                 torque[i] += arm[j] * contact->force[l][k] - arm[l] * contact->force[j][k];
             }
         }
+        /* q' = q (0, w)/2,  J_i w_i' = (J_j - J_l) w_j w_l + torque_i,  V' = V x w + R^T g + F/m,
+         * r' = R V. */
         q[0][k + 1] = -0.5 * inverse * dot_coefficient(q + 1, w, k);
         for (int i = 0; i < 3; i++) {
             int j = (i + 1) % 3;
@@ -284,7 +289,7 @@ static double locate(motion *m, double h, int *which, int *guard)
             if (kind == GAP)
                 series = contact->gap;
             double sign = 1.0;
-            /* Both are below zero: it leaves, or presses, as they rise. */
+            /* Gap and push are below zero: the corner leaves, or presses, where they rise to 0. */
             if (contact->mode == IDLES)
                 sign = -1.0;
             double zero = zero_of_guard(series, sign, contact->zero_guard == kind, h);

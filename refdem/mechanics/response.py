@@ -63,6 +63,7 @@ def balanced_drives(
     """
     # k = alpha + 3 beta A^2/4 is the effective stiffness at the amplitude A.
     k = alpha + 0.75 * beta * amplitude**2
+    # (k - W^2)^2 + 4 delta^2 W^2 = f0^2/A^2 is a quadratic equation in W^2.
     discriminant = (f0 / amplitude) ** 2 - 4 * delta**2 * (k - delta**2)
     with np.errstate(invalid="ignore"):
         root = np.sqrt(discriminant)
@@ -93,7 +94,7 @@ def balanced_amplitude(drive: float, alpha: float, beta: float, delta: float, f0
         low = last_turning
     else:
         low = 0.0
-    # For g = d = 0 the solution is (f0/h)^(2/3); double it until the cubic exceeds f0^2.
+    # For g = d = 0 the solution is S = (f0/h)^(2/3); double it until the cubic exceeds f0^2.
     high = max(low, float((abs(f0) / abs(h)) ** (2 / 3)))
     while excess(high) < 0:
         high *= 2
@@ -157,6 +158,7 @@ class _Balance(NamedTuple):
 
     def excess(self, s: float) -> float:
         """The left side of the equation of the folds minus its right side."""
+        # 4 d h^2 (h S^2 + alpha S) + 2 d h f0^2/S + f0^4/S^3 - 4 h^2 f0^2, with d = 4 delta^2.
         h = self.h
         stiff = 4 * self.damping * h * h * (h * s + self.alpha) * s
         driven = 2 * self.damping * h * self.square / s + self.square * self.square / s**3
@@ -164,13 +166,14 @@ class _Balance(NamedTuple):
 
     def slope(self, s: float) -> float:
         """The derivative of `excess` by S."""
+        # 4 d h^2 (2 h S + alpha) - 2 d h f0^2/S^2 - 3 f0^4/S^4, with d = 4 delta^2.
         h = self.h
         stiff = 4 * self.damping * h * h * (2 * h * s + self.alpha)
         driven = 2 * self.damping * h * self.square / s**2 + 3 * self.square * self.square / s**4
         return stiff - driven
 
     def drive_square(self, s: float) -> float:
-        """The square of the drive of a fold: w^2 = alpha + h S + f0^2/(2 h S^2)."""
+        """The square of the drive of a fold, from u: w^2 = alpha + h S + f0^2/(2 h S^2)."""
         return self.alpha + self.h * s + self.square / (2 * self.h * s * s)
 
     def fold_at(self, s: float) -> tuple[float, float]:
@@ -197,7 +200,8 @@ def _hardening_folds(balance: _Balance) -> Folds | None:
     """The folds for h > 0: each term of the left side is convex for S > 0, so that there are two
     solutions or none.
     """
-    # At the undamped fold excess >= 0. Both solutions lie at larger S, around the least excess.
+    # At the undamped fold f0^4/S^3 = 4 h^2 f0^2, so that the excess is >= 0. Both solutions lie at
+    # larger S, one on each side of the minimum of the excess.
     undamped = balance.undamped
     if balance.slope(undamped) >= 0:
         return None
@@ -221,6 +225,8 @@ def _softening_folds(balance: _Balance, delta: float) -> Folds | None:
     meet where the root vanishes: 4 delta^2 (-h) S^2 - 4 delta^2 (alpha - delta^2) S + f0^2 = 0. The
     smaller solution is the tip; a third fold lies beyond the larger one, at the barrier.
     """
+    # The smaller root of a S^2 - b S + f0^2 = 0, with a = -4 delta^2 h and b = 4 delta^2 (alpha -
+    # delta^2), is 2 f0^2/(b + sqrt(b^2 - 4 a f0^2)), without cancellation.
     linear = balance.damping * (balance.alpha - delta * delta)
     discriminant = linear**2 + 4 * balance.damping * balance.h * balance.square
     if linear <= 0 or discriminant <= 0:
@@ -289,6 +295,7 @@ def linear_line(force: float, frequency: float, square: float, delta: float) -> 
     """Complex amplitude A = f/D(w) of the steady motion Re(A exp(i w t)) under f cos(w t), with
     D(w) = w0^2 - w^2 + 2 i delta w; `square` is w0^2. Its modulus is (1.105).
     """
+    # A = f/(w0^2 - w^2 + 2 i delta w).
     return force / complex(square - frequency**2, 2 * delta * frequency)
 
 

@@ -1,5 +1,6 @@
-"""Trial run of a motion along a line, by the series of kernels/taylor_oscillator.c on a grid of its
-own. It tests whether the motion reaches the last sample without passing the anchor of its spring.
+"""Trial run of a motion along a line, by the series of kernels/taylor_oscillator.c on a grid that
+does not depend on the samples. It tests whether the motion reaches the last sample without passing
+the anchor of its spring.
 """
 
 from math import ceil, sqrt
@@ -108,8 +109,10 @@ def _made(line: Line, t: Array) -> tuple[int, Array]:
 def _grid(line: Line, t: Array) -> Array:
     """Times from the first sample to the last, dense enough for cubics between them."""
     spring = line.spring
-    # Estimates of the fastest rate: sqrt(k'/m) + c/m of spring and dashpot, with k' = k s^(n-1) + 2
-    # q s + 3 c3 s^2 at the stretch s = max(|x0|, l), and the largest frequency of the drives.
+    # Estimate of the fastest rate: the larger of sqrt(K/m) + D/m and of the frequencies of the
+    # drives. At the stretch s = max(|x0|, l), with the spring k s^n + q s^2 + c s^3,
+    #   K = |k| s^(n-1) + 2 |q| s + 3 |c| s^2,   D = |d| + |e| (s + |r|)^2.
+    # K is the stiffness dF/ds but for its first term, which lacks the factor n: it is F/s.
     stretch = max(abs(line.x0), spring.length)
     stiffness = (
         abs(spring.stiffness) * stretch ** (spring.exponent - 1.0)
@@ -120,6 +123,7 @@ def _grid(line: Line, t: Array) -> Array:
     rate = sqrt(stiffness / line.mass) + damping / line.mass
     if len(line.drives):
         rate = max(rate, float(np.abs(line.drives[:, 1]).max()))
+    # POINTS_PER_RADIAN points in each time 1/rate.
     span = abs(t[-1] - t[0])
     points = ceil(POINTS_PER_RADIAN * rate * span) + len(t)
     return np.linspace(t[0], t[-1], min(points, MOST_POINTS))

@@ -1,5 +1,5 @@
-"""One step of R' = [omega] R in nine entries, and of q' = omega q/2 in four, by Euler's method:
-what they lose, and where they are once they are rotations again.
+"""One step of R' = [omega] R in nine entries, and of q' = omega q/2 in four, by Euler's method: how
+far the results are from rotations, and the rotations nearest to them.
 
 With v = h omega and its axis n, the step makes (1 + [v]) R of the rotation R. In the plane across n
 that is a turn by atan |v| and a stretch by sqrt(1 + |v|^2); along n nothing changes. The quaternion
@@ -47,23 +47,27 @@ def axis_of(turn: Sequence[Fraction]) -> list[arb]:
 def of_nine(
     rotation: Matrix, turn: Sequence[Fraction], axis: Sequence[arb], body_axis: Sequence[arb]
 ) -> dict[str, list[arb]]:
-    """The nine entries after the step, R^T (|v|^2 1 - v v^T) R by which they miss orthogonality,
-    their determinant, and the nearest rotation.
-    """
+    """The nine entries M after the step, M^T M - 1, their determinant, and the nearest rotation."""
     x, y, z = (arb_of(component) for component in turn)
     square = x * x + y * y + z * z
     one = arb(1)
+    # M = (1 + [v]) R, with [v] r = v x r.
     first_order = [[one, -z, y], [z, one, -x], [-y, x, one]]
     stretch = (1 + square).sqrt()
+    # 1 + [v] turns the plane across v by the angle a = atan |v|: sin a = |v|/sqrt(1 + |v|^2) and
+    # cos a = 1/sqrt(1 + |v|^2).
     nearest = turn_about(axis, square.sqrt() / stretch, 1 / stretch)
+    # M^T M - 1 = R^T [v]^T [v] R = R^T (|v|^2 1 - v v^T) R = |v|^2 (1 - b b^T), with the axis b =
+    # R^T v/|v| in the body.
     defect = [
         square * (int(i == j) - body_axis[i] * body_axis[j]) for i in range(3) for j in range(3)
     ]
     return {
-        # Nine numbers and six conditions on their rates: three turns are left.
+        # Six conditions on the rates of nine numbers leave three independent rotations.
         "nine-entries-freedom": [arb(3)],
         "nine-entries": row_by_row(product(first_order, rotation)),
         "nine-entries-defect": defect,
+        # det (1 + [v]) = 1 + |v|^2.
         "nine-entries-determinant": [1 + square],
         "nine-entries-back": row_by_row(product(nearest, rotation)),
     }
@@ -75,6 +79,7 @@ def of_four(
     """The quaternion after the step, its length, and the unit quaternion with its matrix."""
     half = [arb_of(component) / 2 for component in turn]
     half_square = sum((component * component for component in half), arb(0))
+    # (0, v) q/2, and q + (0, v) q/2 = (1, v/2) q, of the length sqrt(1 + |v|^2/4).
     rate = times([arb(0), *half], q)
     stepped = [component + change for component, change in zip(q, rate, strict=True)]
     length = (1 + half_square).sqrt()
@@ -93,13 +98,15 @@ def of_four(
 def lags(
     rotation: Matrix, angle: arb, axis: Sequence[arb], body_axis: Sequence[arb]
 ) -> dict[str, list[arb]]:
-    """The whole turn by |v|, and what is missing to it: |v| - atan |v| with nine entries, |v| - 2
-    atan(|v|/2) with four, about the axis in the body.
+    """The exact rotation by |v|, and the angles by which the two results lag behind it: |v| - atan
+    |v| with nine entries, |v| - 2 atan(|v|/2) with four.
     """
     nine_lag = angle - angle.atan()
     four_lag = angle - 2 * (angle / 2).atan()
     whole_turn = turn_about(axis, angle.sin(), angle.cos())
     whole = product(whole_turn, rotation)
+    # With the exact rotation W = T(|v|) R, and T(a) the rotation by a about the axis n in space:
+    # W^T T(a) R = R^T T(a - |v|) R, which is the rotation by a - |v| about R^T n.
     nine_between = turn_about(body_axis, -nine_lag.sin(), nine_lag.cos())
     four_between = turn_about(body_axis, -four_lag.sin(), four_lag.cos())
     return {

@@ -46,8 +46,8 @@ class PendulumMotion(ABC):
 
     @abstractmethod
     def state(self, t: arb) -> tuple[arb, arb]:
-        """theta/2 [rad] (but for the whole turns of the start) and thetadot [rad/s] at t, both
-        without a branch.
+        """theta/2 [rad], without the whole turns of the start, and thetadot [rad/s] at t; both are
+        continuous in t.
         """
 
     @abstractmethod
@@ -78,6 +78,7 @@ class Swing(PendulumMotion):
     shift: arb
 
     def state(self, t: arb) -> tuple[arb, arb]:
+        # theta/2 = atan2(k sn u, dn u), thetadot = 2 k w0 cn u.
         sn, cn, dn = self.jacobi.sn_cn_dn(self.w0 * t + self.shift)
         return arb.atan2(self.k * sn, dn), 2 * self.k * self.w0 * cn
 
@@ -94,6 +95,7 @@ class Swing(PendulumMotion):
         """
         u = self.w0 * t + self.shift
         sn, cn, dn = self.jacobi.sn_cn_dn(u)
+        # dm/dH = 1/(2 w0^2), dk/dH = (dm/dH)/(2 k), and K = (dm/dH) kappa/w0 from u = w0 t + u0.
         m_slope = 1 / (2 * self.w0 * self.w0)
         k_slope = m_slope / (2 * self.k)
         factor = self.k * m_slope / (2 * self.jacobi.m1)
@@ -166,7 +168,7 @@ class Separatrix(PendulumMotion):
         return self.sense * u.sinh().atan(), 2 * self.sense * self.w0 / u.cosh()
 
     def period(self) -> None:
-        """None: it never comes back."""
+        """None: the motion on the separatrix is not periodic."""
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -33,6 +33,7 @@ def rules(p: Parameters, u: ComplexMatrix) -> dict[str, list[arb]]:
     omega = of_numbers(vector(p, "omega"))
     length_of_q = absolute(q_matrix)
     length_of_r = absolute(r_matrix)
+    # q q* = q* q = (|q|^2, 0, 0, 0).
     square = [length_of_q * length_of_q, arb(0), arb(0), arb(0)]
     matrices = {
         "p-conjugate": conjugated(p_matrix),
@@ -42,6 +43,7 @@ def rules(p: Parameters, u: ComplexMatrix) -> dict[str, list[arb]]:
         "sum-of-conjugates": conjugated(p_matrix + q_matrix),
         "product-of-conjugates": conjugated(p_matrix * q_matrix),
         "u-r": u * r_matrix,
+        # (0, v)* = -(0, v), and (0, v) (0, omega) = (-v . omega, v x omega).
         "pure-conjugate": -v,
         "pure-product": v * omega,
         "one-sided": u * v,
@@ -49,6 +51,7 @@ def rules(p: Parameters, u: ComplexMatrix) -> dict[str, list[arb]]:
     lengths = {
         "by-conjugate": square,
         "conjugate-by": square,
+        # |u r| = |u| |r| = |r|.
         "r-absolute": [length_of_r],
         "u-r-absolute": [length_of_r],
     }
@@ -57,7 +60,7 @@ def rules(p: Parameters, u: ComplexMatrix) -> dict[str, list[arb]]:
 
 
 def basis() -> dict[str, list[arb]]:
-    """Products of the basis elements (1.44), (1.45)."""
+    """Products of the basis elements: I^2 = J^2 = K^2 = -1, I J = K = -J I etc. (1.44), (1.45)."""
     elements = {
         name: of_numbers([Fraction(x) for x in numbers]) for name, numbers in ELEMENTS.items()
     }

@@ -111,11 +111,13 @@ def rate_rows(phi: arb, theta: arb) -> dict[str, list[arb]]:
     zero = arb(0)
     one = arb(1)
     cotangent = theta.cos() / theta.sin()
+    # The columns are the axes of the three rotations: z, the line of nodes, the body's third axis.
     matrix_rows = [
         [zero, cosine, sine * theta.sin()],
         [zero, sine, -cosine * theta.sin()],
         [one, zero, theta.cos()],
     ]
+    # phi', theta' and psi' for omega = e_x, e_y and e_z in the columns.
     inverse_rows = [
         [-sine * cotangent, cosine * cotangent, one],
         [cosine, sine, zero],
@@ -132,6 +134,7 @@ def swept(p: Parameters) -> dict[str, list[arb]]:
     """omega x r of the point r, and its square, in rational numbers."""
     a, b, c = vector(p, "omega")
     x, y, z = vector(p, "shifts")[:3]
+    # |omega x r|^2 = |omega|^2 r^2 - (omega . r)^2, computed as the square of the vector.
     crossed = [b * z - c * y, c * x - a * z, a * y - b * x]
     square = sum(component * component for component in crossed)
     arm_square = x * x + y * y + z * z
@@ -183,6 +186,7 @@ def euler_by_turns(p: Parameters) -> dict[str, list[arb]]:
     transposed = [whole[3 * j + i] for i in range(3) for j in range(3)]
     arm = [arb_of(x) for x in vector(p, "shifts")[:3]]
     carried = [sum((whole[3 * i + j] * arm[j] for j in range(3)), zero) for i in range(3)]
+    # The first two rows of Rz(phi) Rx(theta), and of Rz(-psi) Rx(-theta).
     z_x = [c_phi, -s_phi * c_theta, s_phi * s_theta, s_phi, c_phi * c_theta, -c_phi * s_theta]
     z_x_back = [c_psi, s_psi * c_theta, s_psi * s_theta, -s_psi, c_psi * c_theta, c_psi * s_theta]
     return {
@@ -203,7 +207,7 @@ def euler_by_turns(p: Parameters) -> dict[str, list[arb]]:
 
 
 def of_multiples(p: Parameters) -> dict[str, list[arb]]:
-    """Cosines of 3, 4 and n times the angle, and its cosine times that of Euler's angle phi."""
+    """Cosines of 3, 4 and n times the angle, and the product of its cosine and that of phi."""
     angle = arb_of(number(p, "angle"))
     other_angle = arb_of(vector(p, "euler")[0])
     product = angle.cos() * other_angle.cos()
@@ -247,18 +251,21 @@ def by_small_turns(p: Parameters) -> dict[str, list[arb]]:
     one = arb(1)
     small_x = [one, zero, zero, zero, c, -s, zero, s, c]
     small_y = [c, zero, s, zero, one, zero, -s, zero, c]
+    # Rx(h) Ry(h) and Ry(h) Rx(h).
     x_after_y = [c, zero, s, s * s, c, -s * c, -s * c, s, c * c]
     y_after_x = [c, s * s, s * c, zero, c, -s, -s, s * c, c * c]
     # Both orders differ by s^2 in the plane, and by s (1 - c) in the entries beside it.
     third = s * (1 - c)
     beside = [third, third, third, zero]
     commutator = [zero, -s * s, third, s * s, zero, *beside]
+    # The commutator less h^2 [e_z].
     beyond = s * s - h * h
     beyond_leading = [zero, -beyond, third, beyond, zero, *beside]
     # Turns by -h have -s for s.
     small_x_back = [one, zero, zero, zero, c, s, zero, -s, c]
     small_y_back = [c, zero, -s, zero, one, zero, s, zero, c]
     both_back = [c, zero, -s, s * s, c, s * c, s * c, -s, c * c]
+    # cos(angle/2) = 1 - 2 sin^4(h/2), so that sin(angle/4) = sin^2(h/2).
     loop_angle = 4 * ((h / 2).sin() ** 2).asin()
     return {
         "small-x": small_x,
