@@ -48,6 +48,7 @@ class Probe:
 
     `expected(t)`, for the time t (T,) [s] since the start, has columns of a trajectory (T, N, ...),
     channels (T,), or `omega_body` (T, N, 3), by name. `mistakes` are those that it can tell.
+    `uncertainty` bounds the error of `expected` itself, in units of the scales.
     """
 
     name: str
@@ -57,6 +58,7 @@ class Probe:
     start: float = 0.0
     backwards: bool = False
     mistakes: tuple[Mistake, ...] = ()
+    uncertainty: float = 0.0
 
     @property
     def times(self) -> Array:

@@ -15,7 +15,7 @@ from refdem.scene.elements.ball_joint import BallJoint
 from refdem.scene.elements.dashpot import Dashpot
 from refdem.scene.elements.spring import Spring
 from refdem.scene.elements.uniform_gravity import UniformGravity
-from refdem.smoke.probe_motion import motion
+from refdem.smoke.probe_motion import LONGEST_STEP, SHORT_STEP, UNCERTAINTY, motion
 from refdem.smoke.probes import Probe, turning_mistakes
 
 Array = NDArray[np.float64]
@@ -57,15 +57,22 @@ def turning_probes() -> tuple[Probe, ...]:
 
 
 def _integrated(
-    name: str, shows: str, bodies: list[Body], elements: list[Element], *, backwards: bool = False
+    name: str,
+    shows: str,
+    bodies: list[Body],
+    elements: list[Element],
+    *,
+    backwards: bool = False,
+    longest_step: float = LONGEST_STEP,
 ) -> Probe:
-    """A probe whose motion is that of probe_motion."""
+    """A probe whose motion is that of probe_motion, with steps of at most `longest_step` [s]."""
     scene = Scene.of(bodies, elements)
     return Probe(
         name=name,
         shows=shows,
         scene=scene,
-        expected=lambda t: motion(scene, t),
+        expected=lambda t: motion(scene, t, longest_step=longest_step),
+        uncertainty=UNCERTAINTY,
         backwards=backwards,
         mistakes=turning_mistakes(scene),
     )
@@ -115,7 +122,13 @@ def _pulled() -> tuple[Probe, ...]:
     ends = "both ends of a spring, and its length"
     return (
         _integrated("spring between points", ends, points, [at_centres]),
-        _integrated("spring off the centre in a plane", anchored, [FLAT], [flat_to_wall]),
+        _integrated(
+            "spring off the centre in a plane",
+            anchored,
+            [FLAT],
+            [flat_to_wall],
+            longest_step=SHORT_STEP,
+        ),
         _integrated("spring off the centre", anchored, [TUMBLING], [to_wall]),
         _integrated("spring between two bodies", anchored, [TUMBLING, OTHER], [between]),
         _integrated("dashpot off the centre in a plane", anchored, [FLAT], [flat_damped]),

@@ -9,15 +9,18 @@ import msgspec
 import numpy as np
 import pytest
 
+from refdem.core import discovery
 from refdem.core.engine import Engine, Method
 from refdem.core.trajectory import Cost, Trajectory
 from refdem.errors import EngineError, UnsupportedError
 from refdem.faults.change import of_bodies, of_elements, scaled
+from refdem.faults.fault import Carrier, Fault
 from refdem.mechanics.quaternion import conjugate, product, rotated
 from refdem.scene import Scene
+from refdem.scene.elements.contact import Contact
 from refdem.scene.elements.spring import Spring
 from refdem.scene.elements.uniform_gravity import UniformGravity
-from refdem.smoke.battery import BOUND, every_probe, smoke
+from refdem.smoke.battery import BOUND, SMOOTH_BOUND, STEP, every_probe, smoke
 from refdem.smoke.diagnosis import diagnosed, distance
 
 SUBSTEPS = 4
@@ -601,3 +604,59 @@ def test_velocities_of_the_probes_are_the_rates_of_their_positions():
             before, _, after = (expected["position"][1 + k :: 3] for k in range(3))
             rate = (after - before) / (2 * half)
             np.testing.assert_allclose(rate, expected["velocity"][2::3], atol=1e-4)
+
+
+def by_verlet(change=lambda request: request):
+    """Velocity Verlet of the reference, of which a request may be changed: a method of order 2."""
+    fault = Fault(
+        name="misread",
+        kind="number",
+        sentence="a number of the scene is read wrong",
+        on=(),
+        sees=("smoke", "position"),
+        before=change,
+    )
+    engine = Carrier(discovery.engine("reference"), fault)
+    engine.methods = tuple(m for m in engine.methods if m.name == "velocity-verlet")
+    return engine
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        pytest.param(of_bodies(mass=scaled(1.001)), id="mass"),
+        pytest.param(of_elements(UniformGravity, g=scaled(1.001)), id="gravity"),
+        pytest.param(of_elements(Spring, stiffness=scaled(1.001)), id="stiffness"),
+        pytest.param(of_elements(Contact, stiffness=scaled(1.001)), id="stiffness of a contact"),
+        pytest.param(of_elements(Spring, length=scaled(1.001)), id="length of a spring"),
+    ],
+)
+def test_a_number_that_is_read_a_tenth_of_a_per_cent_wrong_shows_beside_twice_the_step(change):
+    """A bound that a change of the step implies sees ten times less than one for all programs."""
+    wrong = [f for f in smoke(by_verlet(change)) if f.outcome == "fail"]
+    assert wrong
+    assert all("implied by the change from twice the step" in f.basis for f in wrong)
+
+
+def test_what_twice_the_step_implies_accuses_no_right_method_of_a_step():
+    findings = smoke(by_verlet())
+    implied = [f for f in findings if "implied by the change" in f.basis]
+    assert len(implied) > 30
+    assert {f.outcome for f in implied} == {"pass"}
+    # Springs: 4/(2^2 - 1) of a change of 3 C h^2, four times the error itself.
+    (spring,) = [f for f in findings if f.quantity == "spring: position"]
+    assert spring.bound == pytest.approx(4 * spring.value, rel=0.02)
+
+
+def test_a_run_at_twice_the_step_that_fails_leaves_the_wider_bound():
+    class Fussy(Carrier):
+        def run(self, request):
+            if request.step == 2 * STEP:
+                raise EngineError("no step that long")
+            return super().run(request)
+
+    plain = by_verlet()
+    fussy = Fussy(plain.engine, plain.fault)
+    fussy.methods = plain.methods
+    (spring,) = [f for f in smoke(fussy) if f.quantity == "spring: position"]
+    assert (spring.outcome, spring.bound) == ("pass", SMOOTH_BOUND)
