@@ -5,14 +5,20 @@ within the step is practically random, so that one run may by chance have nearly
 same run with another step, or backward in time, has one.
 """
 
-from collections.abc import Mapping
-
 import numpy as np
 
-from refdem.core.case import Instance
+from refdem.checks.contact_impulse import alternating_slip
 from refdem.core.check import Array, Subject
 from refdem.core.judgement import PREDICTION_FACTOR
 from refdem.core.refinement import kinked
+from refdem.core.trajectory import Trajectory
+from refdem.scene.elements.contact import Contact
+from refdem.scene.singularity import JUMP
+
+OWN_SHARE = 0.1
+"""Part of the largest of any quantity, of a change at a halving or of a rate, that a single
+quantity is given at least. A quantity whose own is smaller may owe it to terms that cancel.
+"""
 
 
 def may_straddle(subject: Subject) -> bool:
@@ -23,43 +29,69 @@ def may_straddle(subject: Subject) -> bool:
     )
 
 
-def sharpest_kink(instance: Instance) -> float:
-    """The exponent n of the force |s|^n through the sharpest kink of the scene; infinite without
-    one.
+def sharpest_kink(subject: Subject, step: float, run: Trajectory) -> float:
+    """The exponent n of the force |s|^n through the sharpest kink that a run passes at this step
+    [s]; infinite without one.
+
+    Friction without a tangential spring jumps where the slip changes its sign. Where the slip of
+    the run does not, the sharpest kink is that of the normal force.
     """
-    exponents = [limit.exponent for _, limit in instance.scene.singularities()]
-    return min(exponents, default=float(np.inf))
+    scene = subject.instance.scene
+    limits = [limit for _, limit in scene.singularities()]
+    sharpest = min((limit.exponent for limit in limits), default=float(np.inf))
+    jumping = {limit.feature for limit in limits if limit.exponent == JUMP}
+    if jumping == {"contact:friction"} and alternating_slip(subject, run, step) == 0.0:
+        return min(law.exponent for law in scene.all(Contact))
+    return sharpest
 
 
-def straddled(subject: Subject, step: float, run: Mapping[str, Array], count: int) -> Array:
-    """Bound (count,) on the error of a step h [s] that straddles a kink, in units of the scales.
+def straddled(subject: Subject, step: float, run: Trajectory, count: int) -> dict[str, Array]:
+    """Bound (count,) on what a step h [s] that straddles a kink leaves of error in every quantity,
+    in units of its scale.
 
-    `run` holds the observed quantities at that step. Within a step of its kink, a force that varies
-    as |s|^n is at most (h/tau)^n of its later value, so the bound is
+    Within a step of its kink, a force that varies as |s|^n is at most (h/tau)^n of its later value,
+    so the bound is
 
         PREDICTION_FACTOR min(1, h/tau)^n h max|dq/dt|,
 
-    with the largest rate so far of any quantity q in its scale.
+    with the largest rate so far of the quantity q in the run at that step, in its scale, or
+    OWN_SHARE of the largest of any quantity, as the motion passes errors from one to the other.
     """
-    instance = subject.instance
-    share = min(1.0, step / instance.scales.tau) ** sharpest_kink(instance)
-    off: Array = PREDICTION_FACTOR * share * (_kink_rate(instance, run, count) * step)
-    return off
+    share = min(1.0, step / subject.instance.scales.tau) ** sharpest_kink(subject, step, run)
+    rates = _fastest(subject, run)
+    still = np.zeros(len(subject.instance.times) - 1)
+    largest = np.maximum.reduce([still, *rates.values()])
+    bounds = {}
+    for name, quantity in subject.instance.quantities.items():
+        # An angle may turn by many turns between two samples: its rate is not known.
+        rate = largest
+        if name in rates and not quantity.angle:
+            rate = np.maximum(rates[name], OWN_SHARE * largest)
+        bounds[name] = PREDICTION_FACTOR * share * step * _so_far(subject, rate, count)
+    return bounds
 
 
-def _kink_rate(instance: Instance, run: Mapping[str, Array], count: int) -> Array:
-    """Fastest change of any quantity so far [1/s] (count,), in its scale, over the intervals beside
-    each sample.
+def _fastest(subject: Subject, run: Trajectory) -> dict[str, Array]:
+    """The change (T - 1,) of every quantity between samples, in its scale; angles left out.
 
     A step that straddles a kink uses the force before the kink for its remainder. Its error is at
     most that rate times the remainder, and less where the force does not jump. Halved steps end at
     the same times, so that every step longer than the remainder has the same error: halvings do not
     show it.
     """
-    fastest = np.zeros(len(instance.times) - 1)
-    for name, quantity in instance.quantities.items():
-        if name in run and not quantity.angle:
-            fastest = np.maximum(fastest, np.abs(np.diff(run[name])) / quantity.scale)
-    beside = np.maximum(np.append(0.0, fastest), np.append(fastest, 0.0))
-    so_far: Array = np.maximum.accumulate(beside)[:count] / abs(instance.problem.interval)
-    return so_far
+    instance = subject.instance
+    observed = instance.observe(run)
+    return {
+        name: np.abs(np.diff(observed[name])) / quantity.scale
+        for name, quantity in instance.quantities.items()
+        if name in observed and not quantity.angle
+    }
+
+
+def _so_far(subject: Subject, changes: Array, count: int) -> Array:
+    """The largest rate so far [1/s] (count,), over the intervals beside each sample, of changes
+    (T - 1,) between samples.
+    """
+    beside = np.maximum(np.append(0.0, changes), np.append(changes, 0.0))
+    rates: Array = np.maximum.accumulate(beside)[:count] / abs(subject.instance.problem.interval)
+    return rates

@@ -220,8 +220,10 @@ class Energy(Check):
         floor = TERMS * COUNTING_FLOOR * (rounding + summation)
         if not may_straddle(subject):
             return left_at_finest(subject, *changes) + floor
-        observed = subject.instance.observe(finest.trajectory)
-        beside = straddled(subject, level, observed, len(changes[0]))
+        if not subject.instance.quantities:
+            return np.inf
+        by_quantity = straddled(subject, level, finest.trajectory, len(changes[0]))
+        beside = np.maximum.reduce(list(by_quantity.values()))
         halved = (level / subject.levels[0]) ** subject.order
         scattered = room_of(subject) * float(np.max(changes[0])) * halved
         bound: Array = scattered + TERMS * beside + floor

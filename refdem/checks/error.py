@@ -8,7 +8,7 @@ from itertools import pairwise
 import numpy as np
 
 from refdem.checks._beside_impacts import errors_of, left_by_late_impacts
-from refdem.checks._kinks import may_straddle, sharpest_kink, straddled
+from refdem.checks._kinks import OWN_SHARE, may_straddle, sharpest_kink, straddled
 from refdem.core.case import Instance
 from refdem.core.check import Check, CompletedRun, Subject
 from refdem.core.finding import Finding, Level
@@ -30,16 +30,12 @@ from refdem.core.judgement import (
 from refdem.core.problem import Problem
 from refdem.core.refinement import MEMORY, kinked, scored
 from refdem.core.static_problems import Static
-from refdem.core.trajectory import Cost
+from refdem.core.trajectory import Cost, Trajectory
 from refdem.core.truth import SampledTruth
 from refdem.core.variant import Variant
 from refdem.scene.elements.contact import Contact
 from refdem.scene.singularity import KINK
 
-OWN_SHARE = 0.1
-"""Part of the largest change of any quantity at a halving that the change of a single quantity is
-taken for at least. A quantity whose own changes are smaller may owe them to terms that cancel.
-"""
 NEARLY = 0.9
 """Part of the largest share of a bound from which on a sample has nearly that share."""
 COURSE = 10.0
@@ -276,21 +272,23 @@ def _error_from_halvings(
     observed = [instance.observe(runs[Variant(level)].trajectory) for level in used]
     by_quantity = [_changes(instance, a, b, count) for a, b in pairwise(observed)]
     changes = [np.maximum.reduce(list(change.values())) for change in by_quantity]
-    fine = observed[-1]
+    finest = runs[Variant(subject.levels[-1])].trajectory
     floor = subject.floor(subject.levels[-1])
     rounding = floor * subject.truth.growth()[:count]
     ratio = _ratio_of(subject, changes, rounding)
     if ratio is None:
         return None
     beside = rounding
-    if straddles:
-        beside = beside + straddled(subject, subject.levels[-1], fine, count)
     if method.control == "step" and not method.complete_state:
         times = instance.times[:count]
         beside = np.where(np.abs(times - times[0]) < MEMORY * used[0], np.inf, beside)
-    safety = _safety(subject, ratio, len(changes))
+    safety = _safety(subject, ratio, len(changes), finest)
     implied = _implied_changes(subject, by_quantity, ratio)
-    return {name: safety * change + beside for name, change in implied.items()}
+    bounds = {name: safety * change + beside for name, change in implied.items()}
+    if straddles:
+        off = straddled(subject, subject.levels[-1], finest, count)
+        bounds = {name: bound + off[name] for name, bound in bounds.items()}
+    return bounds
 
 
 def _implied_changes(
@@ -334,9 +332,9 @@ def _ratio_of(subject: Subject, changes: list[Array], rounding: Array) -> float 
     return None
 
 
-def _safety(subject: Subject, ratio: float, count: int) -> float:
-    """Factor on the largest of `count` changes that bounds the error at the finest level; `ratio`
-    is that by which the error falls from one level to the next.
+def _safety(subject: Subject, ratio: float, count: int, finest: Trajectory) -> float:
+    """Factor on the largest of `count` changes that bounds the error at the finest level, whose run
+    is `finest`; `ratio` is that by which the error falls from one level to the next.
 
     Two changes are by chance as rarely equal to within 1/64 as three are to within 1/16.
     """
@@ -345,7 +343,7 @@ def _safety(subject: Subject, ratio: float, count: int) -> float:
         return safety
     if not kinked(subject.instance, subject.method) or _cuts_steps(subject):
         return safety / (ratio - 1.0)
-    if subject.order < sharpest_kink(subject.instance) + 1.0:
+    if subject.order < sharpest_kink(subject, subject.levels[-1], finest) + 1.0:
         return CUT_PREDICTION_FACTOR / (ratio - 1.0)
     if may_straddle(subject):
         safety **= 2 / count

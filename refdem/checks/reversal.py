@@ -437,8 +437,8 @@ def _defect_from_observed_error(
     observed = safety * float(largest_so_far(subject, compared_level, run, truth)[-1])
     reached = observed + subject.floor(level)
     if may_straddle(subject):
-        seen = subject.instance.observe(run)
-        reached += float(straddled(subject, compared_level, seen, truth.until)[-1])
+        off = straddled(subject, compared_level, run, truth.until)
+        reached += max(float(of_quantity[-1]) for of_quantity in off.values())
     # Errors of equal steps may grow by all of S on the way back, others as on the way forward.
     if subject.method.control == "step":
         amplification = float(truth.growth()[-1])

@@ -475,12 +475,51 @@ def test_changes_of_angles_are_those_modulo_a_turn():
     found = error._changes(of, coarse, fine, 2)
     np.testing.assert_allclose(found["theta"], [2 * (2 * np.pi - 6.0), 0.0], rtol=1e-13)
     np.testing.assert_allclose(found["x"], [0.0, 0.5], rtol=1e-13)
-    rates = _kinks._kink_rate(
-        of, {"x": np.array([0, 4.0, 2.0, 2.0, 2.0]), "theta": np.arange(5.0)}, 5
+
+
+def left_beside(of, xs, ys=(0.0,) * 5):
+    """What straddled steps of 1/8 s leave in every quantity of a run with these x and y [m]."""
+    run = standing(of, position=[[[x, y, 3.0]] for x, y in zip(xs, ys, strict=True)])
+    return _kinks.straddled(Subject(of, method(), LEVELS, None), 1 / 8, run, 5)
+
+
+def test_a_straddled_step_leaves_the_rate_so_far_of_its_quantity_and_a_tenth_of_others():
+    theta = Quantity("vz", "rad", 0.5, angle=True)
+    places = [Quantity(name, "m", 4.0) for name in "xy"]
+    touching = instance([BALL], (SOFT, Plane()), times=TIMES, quantities=[theta, *places])
+    found = left_beside(touching, (0, 0, 0, 2.0, 2.0), (0, 0.01, 0.01, 0.01, 0.01))
+    # 4 (h/tau) h |dq/dt| with h = 1/8 s and tau = 1/2 s: x moves by 1/2 of its scale in 2 s.
+    each = 4 * (1 / 4) * (1 / 8)
+    assert found["x"].tolist() == near([each * 0.000125] * 2 + [each / 4] * 3)
+    assert found["y"].tolist() == near([each * 0.00125] * 2 + [each / 40] * 3)
+    # The rate of an angle is that of the fastest.
+    assert found["vz"].tolist() == near([each * 0.00125] * 2 + [each / 4] * 3)
+
+
+def test_a_scene_of_angles_alone_shows_no_rate():
+    theta = Quantity("vz", "rad", 0.5, angle=True)
+    turning = instance([BALL], (SOFT, Plane()), times=TIMES, quantities=[theta])
+    assert left_beside(turning, (0, 1.0, 2.0, 3.0, 4.0))["vz"].tolist() == [0.0] * 5
+
+
+def test_friction_jumps_where_the_slip_may_change_its_sign_and_not_where_it_lasts():
+    law = Contact(law="linear", stiffness=8.0, friction=0.125)
+    rubbing = instance([BALL], (law, Plane()), times=TIMES, quantities={"x": 4.0})
+    subject = Subject(rubbing, method(), LEVELS, None)
+    pressed = [[[0, 0, 0.75]]] * 5
+    for speeds, expected in (((8.0, 7.5, 7.0, 6.5, 6.0), 1.0), ((1.0, 0.5, 0.0, 0.0, 0.0), 0.0)):
+        run = standing(rubbing, position=pressed, velocity=[[[v, 0, 0]] for v in speeds])
+        assert _kinks.sharpest_kink(subject, H, run) == expected
+    # A dashpot jumps at the touch, whatever the slip does.
+    damped = Contact(law="linear", stiffness=8.0, friction=0.125, damping=1.0)
+    jumping = Subject(
+        instance([BALL], (damped, Plane()), times=TIMES, quantities={"x": 4.0}),
+        method(),
+        LEVELS,
+        None,
     )
-    assert rates.tolist() == [0.5] * 5
-    later = _kinks._kink_rate(of, {"x": np.array([0, 0.0, 0.0, 2.0, 2.0])}, 4)
-    assert later.tolist() == [0.0, 0.0, 0.25, 0.25]
+    sliding = standing(rubbing, position=pressed, velocity=[[[8.0, 0, 0]]] * 5)
+    assert _kinks.sharpest_kink(jumping, H, sliding) == 0.0
 
 
 # Self-convergence
