@@ -15,8 +15,10 @@ from refdem.truth.contact_motion import ContactMotion, TracedContact
 from refdem.truth.events.system import Entry
 
 Array = np.ndarray
-BITS = 384
-"""Where coordinates are 0 but for a displacement, sets are known in parts of that."""
+BITS = 192
+"""Where coordinates are 0 but for a displacement, sets are known in parts of that: 63 bits go to
+SIZE, and the doubles of all growths are those of 384 bits.
+"""
 SIZE = arb(10) ** -19
 """Of a displacement, in units of the phases."""
 

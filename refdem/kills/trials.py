@@ -91,11 +91,17 @@ class Matrix(msgspec.Struct, frozen=True, kw_only=True):
 
 
 @cache
+def instance_at(setting: str, seed: int) -> Instance:
+    """The instance that a seed draws in a setting; nothing is proved of it."""
+    drawn = SETTINGS[setting]
+    return discovery.case(drawn.case).at(**drawn.parameters(setting, seed))
+
+
+@cache
 def setting_at(setting: str, seed: int) -> tuple[Instance, SampledTruth]:
     """The instance that a seed draws in a setting, and its truth, proved once in a process."""
-    drawn = SETTINGS[setting]
-    instance = discovery.case(drawn.case).at(**drawn.parameters(setting, seed))
-    if drawn.proved:
+    instance = instance_at(setting, seed)
+    if SETTINGS[setting].proved:
         truth = truth_of(instance)
     else:
         truth = WITHHELD
