@@ -48,6 +48,7 @@ def lines_of(script: str) -> Callable[[str], list[list[float]]]:
 steps = lines_of("rebound_steps.py")
 slope = lines_of("mujoco_slope.py")
 units = lines_of("pymunk_units.py")
+line = lines_of("rebound_line.py")
 
 
 def test_the_step_of_ias15_grows_fourfold_until_a_sample_cuts_it() -> None:
@@ -172,3 +173,23 @@ def test_joints_of_pymunk_at_the_same_rate_move_the_same_in_other_units() -> Non
     for _, default, same, whole, _ in found:
         assert default > 1e-2
         assert max(same, whole) < 1e-13
+
+
+@pytest.mark.parametrize("search", ["direct", "line"])
+def test_hardsphere_resolves_what_overlaps_and_approaches_at_the_end_of_a_step(search: str) -> None:
+    """Spheres of diameter 1 m at 1 m/s do so for 1 s: in a part 1/h of the shots."""
+    rows = line(f"{search}, step")
+    assert [step for step, *_ in rows] == [0.5, 2, 4, 20]
+    for step, meetings, found, bounced in rows:
+        assert bounced == meetings * min(1, 1 / step)
+        if search == "line":
+            assert found == meetings
+
+
+def test_what_line_finds_is_resolved_the_more_the_longer_the_spheres_overlap() -> None:
+    """The time is the diameter over the speed; a resolver that goes back to the touch needs
+    none.
+    """
+    for radius, speed, step, bounced in line("line, spheres of radius"):
+        assert bounced == 40 * 2 * radius / speed / step
+    assert line("line, resolved at the touch, step") == [[2, 40], [20, 40]]
