@@ -49,6 +49,7 @@ steps = lines_of("rebound_steps.py")
 slope = lines_of("mujoco_slope.py")
 units = lines_of("pymunk_units.py")
 line = lines_of("rebound_line.py")
+cone = lines_of("mujoco_cone.py")
 
 
 def test_the_step_of_ias15_grows_fourfold_until_a_sample_cuts_it() -> None:
@@ -193,3 +194,21 @@ def test_what_line_finds_is_resolved_the_more_the_longer_the_spheres_overlap() -
     for radius, speed, step, bounced in line("line, spheres of radius"):
         assert bounced == 40 * 2 * radius / speed / step
     assert line("line, resolved at the touch, step") == [[2, 40], [20, 40]]
+
+
+def test_a_pyramid_of_friction_brakes_less_on_the_diagonal_and_else_along_a_tangent() -> None:
+    """The elliptic cone brakes by mu N, against the velocity, whatever the direction."""
+    diagonal = 0.5**0.5
+    pyramidal = {degrees: (part, off) for degrees, part, off in cone("pyramidal,")}
+    for degrees, tangent in ((0, 0), (30, 0), (60, 90), (90, 90)):
+        part, off = pyramidal[degrees]
+        assert part == pytest.approx(1, abs=1e-3)
+        assert degrees + off == pytest.approx(tangent, abs=0.1)
+    assert pyramidal[45] == pytest.approx((diagonal, 0), abs=1e-3)
+    elliptic = cone("elliptic,")
+    assert [degrees for degrees, *_ in elliptic] == sorted(pyramidal)
+    for _, part, off in elliptic:
+        assert (part, off) == pytest.approx((1, 0), abs=1e-3)
+    for beginning in ("pyramidal on the diagonal, h =", "pyramidal on the diagonal, mu ="):
+        parts = [part for _, part in cone(beginning)]
+        assert parts == pytest.approx([diagonal, diagonal], abs=1e-3)
