@@ -50,6 +50,7 @@ slope = lines_of("mujoco_slope.py")
 units = lines_of("pymunk_units.py")
 line = lines_of("rebound_line.py")
 cone = lines_of("mujoco_cone.py")
+sleep = lines_of("pymunk_sleep.py")
 
 
 def test_the_step_of_ias15_grows_fourfold_until_a_sample_cuts_it() -> None:
@@ -212,3 +213,23 @@ def test_a_pyramid_of_friction_brakes_less_on_the_diagonal_and_else_along_a_tang
     for beginning in ("pyramidal on the diagonal, h =", "pyramidal on the diagonal, mu ="):
         parts = [part for _, part in cone(beginning)]
         assert parts == pytest.approx([diagonal, diagonal], abs=1e-3)
+
+
+def test_a_pendulum_of_pymunk_falls_asleep_where_it_is_slow_for_longer_than_the_threshold() -> None:
+    """At the start it is slow for half as long as where it turns round, on the other side."""
+    seen = set()
+    for time, *_, at_start, at_turn, slept, angle in sleep("asleep above"):
+        if time < at_start:
+            assert slept == pytest.approx(time, abs=2e-3)
+            assert angle > 0.9
+            seen.add("start")
+        elif time < at_turn:
+            assert 1 < slept < 1.2
+            assert angle < -0.9
+            seen.add("turn")
+        else:
+            assert slept == 0
+            seen.add("awake")
+    assert seen == {"start", "turn", "awake"}
+    # As shipped.
+    assert sleep("as shipped,")[0][-2] == 0
