@@ -1,5 +1,6 @@
 """Installs widely used codes, runs the gate of each, and writes reports/field/index.md: a matrix of
 cases and codes, with digits and the time to accuracy, and the deviations with their scripts.
+Codes that are not run now keep the results of their last run, with version and date.
 
 usage: ci/field/field.py [--no-install] [NAME...]; without names all folders of validation/codes
 that have requirements of their own, of Python (requirements.in) or of Node.js (package.json). A
@@ -15,12 +16,15 @@ import shutil
 import subprocess
 import sys
 from collections.abc import Iterable
+from datetime import UTC, datetime
 from pathlib import Path
+
+import msgspec
 
 from refdem.core.deviation import Deviation
 from refdem.core.finding import Outcome, Record
 from refdem.engines.external.sense import read
-from refdem.report.jsonl import sheets_in
+from refdem.report.jsonl import RECORDS, sheets_in
 
 ROOT = Path(__file__).resolve().parents[2]
 CODES = ROOT / "validation" / "codes"
@@ -31,6 +35,8 @@ ACCURACY = 1e-3
 REFDEM = "from refdem.cli import main; main()"
 """The command line, of the refdem that this Python imports."""
 NOT_INSTALLED = "not installed"
+ENDED = "ended.json"
+"""The file beside the report of a code that keeps how its last run ended."""
 TOLD: dict[Outcome, str] = {"expected": "deviations", "fail": "failed", "error": "errors"}
 """Outcomes of findings that a cell counts, and the words for them."""
 
@@ -179,9 +185,36 @@ def title_of(script: Path) -> str:
     return said[2].removesuffix('"""')
 
 
-def page(found: dict[str, list[Record]], statuses: dict[str, str]) -> str:
+class Ended(msgspec.Struct, frozen=True):
+    """How the last run of a code ended: the state of its gate, its version, and the day (UTC)."""
+
+    state: str
+    version: str
+    date: str
+
+
+def keep(name: str, state: str) -> None:
+    """Writes how the run of a code ended beside its report."""
+    version = next((record.version for record in records_of(name)), "")
+    ended = Ended(state=state, version=version, date=f"{datetime.now(UTC):%Y-%m-%d}")
+    home = OUT / name
+    home.mkdir(parents=True, exist_ok=True)
+    (home / ENDED).write_bytes(msgspec.json.encode(ended))
+
+
+def kept() -> dict[str, Ended]:
+    """How the last run of each code ended, of all that were ever run and are still known."""
+    paths = {name: OUT / name / ENDED for name in known()}
+    return {
+        name: msgspec.json.decode(path.read_bytes(), type=Ended)
+        for name, path in paths.items()
+        if path.is_file()
+    }
+
+
+def page(found: dict[str, list[Record]], ended: dict[str, Ended]) -> str:
     """The page: states, the matrix of cases and codes, deviations."""
-    codes = list(statuses)
+    codes = list(ended)
     cases = list(dict.fromkeys(record.label for records in found.values() for record in records))
     lines = [
         "# Widely used codes under the gate",
@@ -189,9 +222,9 @@ def page(found: dict[str, list[Record]], statuses: dict[str, str]) -> str:
         f"Digits are those of the best run; times are the least to an error of {ACCURACY:g}, in",
         "units of each quantity's scale, in the loop of the code's driver.",
         "",
-        row(["code", "gate"]),
-        row(["---", "---"]),
-        *(row([name, statuses[name]]) for name in codes),
+        row(["code", "version", "gate", "run on"]),
+        row(["---"] * 4),
+        *(row([name, last.version, last.state, last.date]) for name, last in ended.items()),
         "",
         row(["case", *codes]),
         row(["---"] * (len(codes) + 1)),
@@ -208,12 +241,18 @@ def page(found: dict[str, list[Record]], statuses: dict[str, str]) -> str:
 
 
 def records_of(name: str) -> list[Record]:
-    """The records of the last gate of a code."""
+    """The records of the last gate of a code; none if it made no report."""
+    if not (OUT / name / RECORDS).is_file():
+        return []
     return [sheet for sheet in sheets_in(OUT / name) if isinstance(sheet, Record)]
 
 
 def state(name: str, *, may_install: bool) -> str:
-    """Installs a code if it is not there, runs its gate, and says how that ended."""
+    """Installs a code if it is not there, runs its gate, and says how that ended.
+
+    The report of an earlier run goes first: it is not what this run finds.
+    """
+    shutil.rmtree(OUT / name, ignore_errors=True)
     if not is_installed(name) and not (may_install and install(name)):
         return NOT_INSTALLED
     status = gated(name)
@@ -233,13 +272,13 @@ def main() -> int:
         parser.error(f"no code {', '.join(unknown)}; known are {', '.join(known())}")
     OUT.mkdir(parents=True, exist_ok=True)
     statuses = {}
-    found = {}
     for name in arguments.names or known():
         statuses[name] = state(name, may_install=not arguments.no_install)
-        if statuses[name] != NOT_INSTALLED:
-            found[name] = records_of(name)
+        keep(name, statuses[name])
         print(f"{name}: {statuses[name]}", flush=True)
-    (OUT / "index.md").write_text(page(found, statuses))
+    ended = kept()
+    found = {name: records_of(name) for name in ended}
+    (OUT / "index.md").write_text(page(found, ended))
     print(f"page: {OUT / 'index.md'}")
     if any(status.startswith("closed") for status in statuses.values()):
         return 1

@@ -77,6 +77,8 @@ def _load(folder: str, attribute: str, name: str) -> Any:
     if folder == "engines":
         others = list(codes.descriptions())
     hint = nearest(name, [*modules, *entry_points_by_name, *others])
+    if folder == "engines":
+        hint += f" ({codes.searched()})"
     if folder == "cases" and (about := cases_about(name)):
         hint = f"cases that are about it: {', '.join(about)}"
     raise UsageError(f"no {folder[:-1]} {name!r}; {hint}")

@@ -62,6 +62,35 @@ def test_the_first_of_two_places_with_a_name_counts(tmp_path, monkeypatch):
     assert codes.descriptions()["lammps"] == first.resolve()
 
 
+@pytest.fixture
+def project(tmp_path, monkeypatch):
+    """A project whose .venv has an installed refdem, with copies of descriptions inside it."""
+    project = tmp_path / "project"
+    package = project / ".venv" / "lib" / "refdem"
+    monkeypatch.setattr(sys, "prefix", str(project / ".venv"))
+    monkeypatch.setattr(codes, "PACKAGE", package)
+    monkeypatch.delenv("REFDEM_CODES", raising=False)
+    code(package / codes.FOLDER, "mydem")
+    return project
+
+
+def test_an_installed_refdem_finds_the_programs_of_its_project(project):
+    toml = code(project / codes.FOLDER, "mydem", "../../../.venv-field/mydem/python")
+    program = project / ".venv-field" / "mydem" / "python"
+    program.parent.mkdir(parents=True)
+    program.symlink_to(sys.executable)
+    engine = discovery.engine("mydem")
+    assert engine.address == str(toml)
+    assert engine.missing() is None
+
+
+def test_a_copy_inside_the_package_says_where_codes_were_looked_for(project):
+    reason = discovery.engine("mydem").missing()
+    assert "install it with: get mydem; do so in a checkout of refdem" in reason
+    assert "let REFDEM_CODES name its validation/codes" in reason
+    assert reason.endswith(f"codes were looked for in {codes.PACKAGE / codes.FOLDER}")
+
+
 def test_an_engine_of_refdem_is_not_replaced_by_a_folder_of_its_name(folder):
     code(folder, "reference")
     assert discovery.engine("reference").is_reference
@@ -78,8 +107,9 @@ def test_a_code_is_an_engine_by_its_name(folder):
 
 def test_a_misspelt_code_is_answered_with_the_nearest(folder):
     code(folder, "mydem")
-    with pytest.raises(UsageError, match="no engine 'mydme'; did you mean 'mydem'"):
+    with pytest.raises(UsageError, match="no engine 'mydme'; did you mean 'mydem'") as error:
         discovery.engine("mydme")
+    assert str(folder) in str(error.value)
 
 
 def test_codes_are_in_no_campaign_that_does_not_name_them(folder):

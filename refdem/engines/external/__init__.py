@@ -7,7 +7,7 @@ import os
 from functools import cached_property
 from pathlib import Path
 
-from refdem.core import fingerprint
+from refdem.core import codes, fingerprint
 from refdem.core.engine import Default, Method, ProgramEngine, Stages
 from refdem.core.outside import one_line
 from refdem.core.problem import Motion, Request
@@ -47,7 +47,10 @@ class External(ProgramEngine):
 
     def missing(self) -> str | None:
         """None if the program is there, else what to do."""
-        return self.program.missing()
+        reason = self.program.missing()
+        if reason is None:
+            return None
+        return reason + codes.advice(self.path)
 
     @cached_property
     def _version(self) -> str:

@@ -79,7 +79,13 @@ _CONSTRAINTS = (
     ),
     Default("line search tolerance", "0.01", "1e-6", "as above"),
     Default("diagexact", "off", "on", "impedance as documented for any inertia and position"),
-    Default("cone", "pyramidal", "elliptic", "Coulomb's cone is round"),
+    Default(
+        "cone",
+        "pyramidal",
+        "elliptic",
+        "Coulomb's cone is round; the pyramid brakes by 0.71 mu N on the diagonal"
+        " (deviations/mujoco_cone.py)",
+    ),
     Default(
         "noslip_iterations",
         "0",

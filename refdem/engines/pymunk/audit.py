@@ -15,7 +15,13 @@ AUDIT = (
         "exp(-damping/mass) of the dashpots; 1 where they are unlike or bodies turn",
         "velocities are multiplied by damping**dt, the same for all; other dashpots are forces",
     ),
-    Default("Space.sleep_time_threshold", "inf", "inf", "nothing is put to sleep"),
+    Default(
+        "Space.sleep_time_threshold",
+        "inf",
+        "inf",
+        "nothing is put to sleep: a pendulum that turns round would be, whatever pulls at it"
+        " (deviations/pymunk_sleep.py)",
+    ),
     Default(
         "Space.iterations",
         "10",

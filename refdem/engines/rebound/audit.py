@@ -67,7 +67,8 @@ AUDIT = (
         "none, merge",
         "direct or line by the method, hardsphere; none without a rigid contact law",
         "REBOUND's own hard spheres; a search at the end of every step, so that they meet late by"
-        " a step at most",
+        " a step at most; hardsphere resolves what overlaps and approaches then, of line too"
+        " (deviations/rebound_line.py)",
     ),
     Default(
         "coefficient_of_restitution",

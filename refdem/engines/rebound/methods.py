@@ -6,7 +6,10 @@ from refdem.core.engine import Method
 
 KEPT = frozenset({"momentum", "angular-momentum"})
 COLLISIONS = {"contact:rigid": 1}
-"""Hard spheres collide at the end of the step in which they meet, wherever they are then."""
+"""Hard spheres collide at the end of the step in which they meet, wherever they are then. Those
+that have passed through each other by then do not, whichever search is used: steps have to be
+shorter than the sum of the radii over the closing speed.
+"""
 
 LEAPFROG = Method(
     name="leapfrog",
@@ -28,7 +31,8 @@ LEAPFROG_LINE = replace(
     LEAPFROG,
     name="leapfrog-line",
     summary=(
-        "leapfrog; spheres that overlapped on the straight way of a step collide at its end (line)"
+        "leapfrog; line also finds spheres that overlapped on the straight way of a step, and"
+        " hardsphere lets those of them collide that overlap and approach at its end"
     ),
 )
 """The same step with REBOUND's other search for collisions."""

@@ -117,7 +117,8 @@ def set_collisions(sim: rebound.Simulation, scene: Scene, method: str) -> None:
     step, and resolved with the law's restitution.
 
     `direct` finds pairs that overlap then, `line` also pairs that overlapped on the straight way of
-    the step.
+    the step. Of either, `hardsphere` resolves those that overlap and approach at the end of the
+    step (validation/expected/deviations/rebound_line.py).
     """
     for law in scene.all(Contact):
         if law.law != "rigid":

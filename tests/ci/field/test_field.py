@@ -1,12 +1,15 @@
 """The page of `make field` says what each code did, and what is not there."""
 
 import os
+import shutil
 import subprocess
 
 import field
+import msgspec
 import pytest
 
 from refdem.core.finding import Finding, Level, Record
+from refdem.report.jsonl import RECORDS, lines
 
 
 def record(case, engine, *findings):
@@ -54,9 +57,11 @@ def test_a_cell_counts_what_failed_and_what_deviates():
 
 def test_a_code_without_its_environment_is_told_of(tmp_path, monkeypatch):
     monkeypatch.setattr(field, "ENVIRONMENTS", tmp_path)
+    monkeypatch.setattr(field, "OUT", tmp_path / "field")
     assert field.state("pybullet", may_install=False) == field.NOT_INSTALLED
-    page = field.page({}, {"pybullet": field.NOT_INSTALLED})
-    assert "| pybullet | not installed |" in page
+    ended = field.Ended(state=field.NOT_INSTALLED, version="", date="2026-11-29")
+    page = field.page({}, {"pybullet": ended})
+    assert "| pybullet |  | not installed | 2026-11-29 |" in page
     assert "validation/codes/pybullet/deviations/threshold.py" in page
 
 
@@ -72,6 +77,7 @@ def test_an_environment_of_other_requirements_is_made_anew(tmp_path, monkeypatch
 
 def test_a_machine_without_node_says_so_and_goes_on(tmp_path, monkeypatch, capsys):
     monkeypatch.setattr(field, "ENVIRONMENTS", tmp_path)
+    monkeypatch.setattr(field, "OUT", tmp_path / "field")
     monkeypatch.setenv("PATH", str(tmp_path))
     assert field.state("rapier", may_install=True) == field.NOT_INSTALLED
     assert capsys.readouterr().err.startswith("rapier: node and npm are not on PATH")
@@ -102,7 +108,69 @@ def test_what_is_not_there_is_no_silent_green(states, status, tmp_path, monkeypa
     ended = dict(zip(("drake", "pybullet"), states, strict=True))
     monkeypatch.setattr(field, "OUT", tmp_path)
     monkeypatch.setattr(field, "state", lambda name, may_install: ended[name])
-    monkeypatch.setattr(field, "records_of", lambda name: [])
     monkeypatch.setattr("sys.argv", ["field.py", *ended])
     assert field.main() == status
     assert (tmp_path / "index.md").is_file()
+
+
+@pytest.fixture
+def gates(tmp_path, monkeypatch):
+    """A function that runs the field for some codes, whose gates are replaced by one that finds
+    an error of the given size in a pendulum; it returns the page.
+    """
+    for name in ("drake", "pybullet"):
+        (tmp_path / "codes" / name).mkdir(parents=True)
+        for file in ("requirements.in", "requirements.txt"):
+            (tmp_path / "codes" / name / file).touch()
+        description = (field.CODES / name / "refdem.toml").read_text()
+        (tmp_path / "codes" / name / "refdem.toml").write_text(description)
+    monkeypatch.setattr(field, "CODES", tmp_path / "codes")
+    monkeypatch.setattr(field, "OUT", tmp_path / "field")
+    monkeypatch.setattr(field, "is_installed", lambda name: True)
+
+    def ran(names, error, status=0):
+        def gated(name):
+            found = record("pendulum", name, errors("x", (error, 0.001)))
+            home = field.OUT / name
+            home.mkdir(parents=True)
+            (home / RECORDS).write_bytes(lines([found]))
+            return status
+
+        monkeypatch.setattr(field, "gated", gated)
+        monkeypatch.setattr("sys.argv", ["field.py", *names])
+        field.main()
+        return (field.OUT / "index.md").read_text()
+
+    return ran
+
+
+def day(name, date):
+    """Lets the last run of a code have been on a given day."""
+    path = field.OUT / name / field.ENDED
+    ended = msgspec.json.decode(path.read_bytes(), type=field.Ended)
+    path.write_bytes(msgspec.json.encode(msgspec.structs.replace(ended, date=date)))
+
+
+def test_a_run_of_some_codes_keeps_the_results_of_the_others(gates):
+    gates([], 1e-5)
+    day("drake", "2026-01-02")
+    page = gates(["pybullet"], 1e-7, status=1)
+    assert "| drake | 1 | open | 2026-01-02 |" in page
+    assert "| pybullet | 1 | closed, exit status 1 |" in page
+    assert "| pendulum | 5.0 digits, 1 ms | 7.0 digits, 1 ms |" in page
+    assert "## drake" in page
+
+
+def test_a_code_that_was_removed_leaves_the_page(gates):
+    gates([], 1e-5)
+    shutil.rmtree(field.CODES / "drake")
+    page = gates(["pybullet"], 1e-7)
+    assert "drake" not in page
+    assert "| pendulum | 7.0 digits, 1 ms |" in page
+
+
+def test_a_gate_without_a_report_shows_nothing_of_an_earlier_run(gates, monkeypatch):
+    gates([], 1e-5)
+    monkeypatch.setattr(field, "gated", lambda name: 70)
+    assert field.state("drake", may_install=False) == "closed, exit status 70"
+    assert field.records_of("drake") == []

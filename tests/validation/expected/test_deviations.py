@@ -48,6 +48,9 @@ def lines_of(script: str) -> Callable[[str], list[list[float]]]:
 steps = lines_of("rebound_steps.py")
 slope = lines_of("mujoco_slope.py")
 units = lines_of("pymunk_units.py")
+line = lines_of("rebound_line.py")
+cone = lines_of("mujoco_cone.py")
+sleep = lines_of("pymunk_sleep.py")
 
 
 def test_the_step_of_ias15_grows_fourfold_until_a_sample_cuts_it() -> None:
@@ -172,3 +175,61 @@ def test_joints_of_pymunk_at_the_same_rate_move_the_same_in_other_units() -> Non
     for _, default, same, whole, _ in found:
         assert default > 1e-2
         assert max(same, whole) < 1e-13
+
+
+@pytest.mark.parametrize("search", ["direct", "line"])
+def test_hardsphere_resolves_what_overlaps_and_approaches_at_the_end_of_a_step(search: str) -> None:
+    """Spheres of diameter 1 m at 1 m/s do so for 1 s: in a part 1/h of the shots."""
+    rows = line(f"{search}, step")
+    assert [step for step, *_ in rows] == [0.5, 2, 4, 20]
+    for step, meetings, found, bounced in rows:
+        assert bounced == meetings * min(1, 1 / step)
+        if search == "line":
+            assert found == meetings
+
+
+def test_what_line_finds_is_resolved_the_more_the_longer_the_spheres_overlap() -> None:
+    """The time is the diameter over the speed; a resolver that goes back to the touch needs
+    none.
+    """
+    for radius, speed, step, bounced in line("line, spheres of radius"):
+        assert bounced == 40 * 2 * radius / speed / step
+    assert line("line, resolved at the touch, step") == [[2, 40], [20, 40]]
+
+
+def test_a_pyramid_of_friction_brakes_less_on_the_diagonal_and_else_along_a_tangent() -> None:
+    """The elliptic cone brakes by mu N, against the velocity, whatever the direction."""
+    diagonal = 0.5**0.5
+    pyramidal = {degrees: (part, off) for degrees, part, off in cone("pyramidal,")}
+    for degrees, tangent in ((0, 0), (30, 0), (60, 90), (90, 90)):
+        part, off = pyramidal[degrees]
+        assert part == pytest.approx(1, abs=1e-3)
+        assert degrees + off == pytest.approx(tangent, abs=0.1)
+    assert pyramidal[45] == pytest.approx((diagonal, 0), abs=1e-3)
+    elliptic = cone("elliptic,")
+    assert [degrees for degrees, *_ in elliptic] == sorted(pyramidal)
+    for _, part, off in elliptic:
+        assert (part, off) == pytest.approx((1, 0), abs=1e-3)
+    for beginning in ("pyramidal on the diagonal, h =", "pyramidal on the diagonal, mu ="):
+        parts = [part for _, part in cone(beginning)]
+        assert parts == pytest.approx([diagonal, diagonal], abs=1e-3)
+
+
+def test_a_pendulum_of_pymunk_falls_asleep_where_it_is_slow_for_longer_than_the_threshold() -> None:
+    """At the start it is slow for half as long as where it turns round, on the other side."""
+    seen = set()
+    for time, *_, at_start, at_turn, slept, angle in sleep("asleep above"):
+        if time < at_start:
+            assert slept == pytest.approx(time, abs=2e-3)
+            assert angle > 0.9
+            seen.add("start")
+        elif time < at_turn:
+            assert 1 < slept < 1.2
+            assert angle < -0.9
+            seen.add("turn")
+        else:
+            assert slept == 0
+            seen.add("awake")
+    assert seen == {"start", "turn", "awake"}
+    # As shipped.
+    assert sleep("as shipped,")[0][-2] == 0
