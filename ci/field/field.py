@@ -3,11 +3,13 @@ cases and codes, with digits and the time to accuracy, and the deviations with t
 Codes that are not run now keep the results of their last run, with version and date.
 
 usage: ci/field/field.py [--no-install] [NAME...]; without names all folders of validation/codes
-that have requirements of their own, of Python (requirements.in) or of Node.js (package.json). A
-code whose packages cannot be installed is told of, and the others run.
+that have requirements of their own, of Python (requirements.in), of Node.js (package.json) or of
+Debian (debian.txt, with a Makefile). A code whose packages cannot be installed is told of, and the
+others run.
 """
 
 import argparse
+import hashlib
 import math
 import os
 import re
@@ -41,8 +43,12 @@ TOLD: dict[Outcome, str] = {"expected": "deviations", "fail": "failed", "error":
 """Outcomes of findings that a cell counts, and the words for them."""
 
 
-LOCKS = {"requirements.in": "requirements.txt", "package.json": "package-lock.json"}
-"""What a code asks for, of Python or of Node.js, and the lock that pins it with digests."""
+LOCKS = {
+    "requirements.in": "requirements.txt",
+    "package.json": "package-lock.json",
+    "debian.txt": "debian.txt",
+}
+"""What a code asks for, of Python, Node.js or Debian, and the lock that pins it with digests."""
 
 
 def known() -> list[str]:
@@ -68,7 +74,11 @@ def install(name: str) -> bool:
     """
     home = ENVIRONMENTS / name
     lock = lock_of(name)
-    installed = {"requirements.txt": installed_by_pip, "package-lock.json": installed_by_npm}
+    installed = {
+        "requirements.txt": installed_by_pip,
+        "package-lock.json": installed_by_npm,
+        "debian.txt": installed_from_debian,
+    }
     if not installed[lock.name](home, lock):
         return False
     (home / "made").write_text(lock.read_text())
@@ -107,6 +117,38 @@ def installed_by_npm(home: Path, lock: Path) -> bool:
     started.write_text(f'#!/bin/sh\nNODE_PATH={modules} exec {shlex.quote(node)} "$@"\n')
     started.chmod(0o755)
     return True
+
+
+def installed_from_debian(home: Path, lock: Path) -> bool:
+    """Whether the packages of a lock could be unpacked into `root`; nothing of the system changes.
+
+    `apt-get download` takes them from where the machine has its packages from.
+    """
+    asked = [line.split(" --hash=sha256:") for line in lock.read_text().splitlines()[1:]]
+    missing = [tool for tool in ("apt-get", "dpkg-deb", "make", "g++") if not shutil.which(tool)]
+    if missing:
+        print(f"{home.name}: {', '.join(missing)} not on PATH; it needs Debian", file=sys.stderr)
+        return False
+    shutil.rmtree(home, ignore_errors=True)
+    (home / "root").mkdir(parents=True)
+    download = ["apt-get", "download", "-qq", *(package for package, _ in asked)]
+    if subprocess.run(download, check=False, cwd=home).returncode != 0:
+        return False
+    archives = sorted(home.glob("*.deb"))
+    digests = {hashlib.sha256(archive.read_bytes()).hexdigest() for archive in archives}
+    if digests != {digest for _, digest in asked}:
+        print(f"{home.name}: a package has another digest than {lock.name} says", file=sys.stderr)
+        return False
+    commands = [["dpkg-deb", "--extract", str(archive), str(home / "root")] for archive in archives]
+    return all(subprocess.run(command, check=False).returncode == 0 for command in commands)
+
+
+def is_built(name: str) -> bool:
+    """Whether what a code has to build, by its Makefile, is there and new."""
+    if not (CODES / name / "Makefile").is_file():
+        return True
+    command = ["make", "--silent", f"HOME={ENVIRONMENTS / name}"]
+    return subprocess.run(command, check=False, cwd=CODES / name).returncode == 0
 
 
 def gated(name: str) -> int:
@@ -178,7 +220,7 @@ def deviations(name: str) -> list[str]:
 
 
 def title_of(script: Path) -> str:
-    """The first line of what a script, in Python or in JavaScript, says of itself."""
+    """The first line of what a script, in Python, JavaScript or C++, says of itself."""
     said = re.match(r'("""|// )(.+)', script.read_text())
     if said is None:
         raise ValueError(f"{script} has no title: expected a docstring or a comment at its start")
@@ -254,6 +296,8 @@ def state(name: str, *, may_install: bool) -> str:
     """
     shutil.rmtree(OUT / name, ignore_errors=True)
     if not is_installed(name) and not (may_install and install(name)):
+        return NOT_INSTALLED
+    if not is_built(name):
         return NOT_INSTALLED
     status = gated(name)
     if status == 0:

@@ -34,6 +34,7 @@ class Scene {
     this.bodies = request.scene.bodies;
     this.elements = request.scene.elements;
     this.times = request.times;
+    this.method = request.method;
     this.step = request.step;
     this.stride = request.stride;
     this.rows = [COLUMNS];

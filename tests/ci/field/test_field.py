@@ -1,5 +1,6 @@
 """The page of `make field` says what each code did, and what is not there."""
 
+import hashlib
 import os
 import shutil
 import subprocess
@@ -98,6 +99,52 @@ def test_an_environment_of_node_finds_its_packages(tmp_path, monkeypatch):
     command = [home / "bin" / "node", "driver.js"]
     said = subprocess.run(command, capture_output=True, text=True, check=True).stdout
     assert said == f"{home / 'node_modules'}|driver.js\n"
+
+
+def debian(tmp_path, monkeypatch, words):
+    """Programs in the place of apt-get and dpkg-deb, of which the first writes a package; the lock
+    of one package with the digest of these words.
+    """
+    programs = tmp_path / "programs"
+    programs.mkdir()
+    download = f"printf '{words}' > libode8_0.16.2.deb"
+    for name, text in (("apt-get", download), ("dpkg-deb", 'cp "$2" "$3"')):
+        (programs / name).write_text(f"#!/bin/sh\n{text}\n")
+        (programs / name).chmod(0o755)
+    monkeypatch.setenv("PATH", f"{programs}:{os.environ['PATH']}")
+    lock = tmp_path / "debian.txt"
+    digest = hashlib.sha256(b"a package").hexdigest()
+    lock.write_text(f"# one package\nlibode8=2:0.16.2-1 --hash=sha256:{digest}\n")
+    return lock
+
+
+def test_a_package_of_debian_is_unpacked_below_the_environment(tmp_path, monkeypatch):
+    lock = debian(tmp_path, monkeypatch, "a package")
+    assert field.installed_from_debian(tmp_path / "ode", lock)
+    assert (tmp_path / "ode/root/libode8_0.16.2.deb").read_text() == "a package"
+
+
+def test_a_package_of_debian_of_another_digest_is_refused(tmp_path, monkeypatch, capsys):
+    lock = debian(tmp_path, monkeypatch, "another package")
+    assert not field.installed_from_debian(tmp_path / "ode", lock)
+    assert "another digest than debian.txt says" in capsys.readouterr().err
+    assert not list((tmp_path / "ode/root").iterdir())
+
+
+def test_a_machine_without_the_tools_of_debian_says_so(tmp_path, monkeypatch, capsys):
+    monkeypatch.setattr(field, "ENVIRONMENTS", tmp_path)
+    monkeypatch.setenv("PATH", str(tmp_path))
+    assert field.state("ode", may_install=True) == field.NOT_INSTALLED
+    assert capsys.readouterr().err.startswith("ode: apt-get, dpkg-deb, make, g++ not on PATH")
+
+
+def test_a_code_that_cannot_be_built_is_not_installed(tmp_path, monkeypatch):
+    monkeypatch.setattr(field, "is_installed", lambda name: True)
+    monkeypatch.setattr(field, "ENVIRONMENTS", tmp_path)
+    monkeypatch.setattr(field, "CODES", tmp_path)
+    (tmp_path / "ode").mkdir()
+    (tmp_path / "ode" / "Makefile").write_text("all:\n\tfalse\n")
+    assert field.state("ode", may_install=False) == field.NOT_INSTALLED
 
 
 @pytest.mark.parametrize(

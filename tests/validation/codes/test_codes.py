@@ -20,7 +20,8 @@ CODES = Path(__file__).resolve().parents[3] / "validation/codes"
 NAMES = sorted(path.parent.name for path in CODES.glob("*/refdem.toml"))
 IN_PYTHON = sorted(path.parent.name for path in CODES.glob("*/requirements.in"))
 IN_JAVASCRIPT = sorted(path.parent.name for path in CODES.glob("*/package.json"))
-FIELD = sorted(IN_PYTHON + IN_JAVASCRIPT)
+OF_DEBIAN = sorted(path.parent.name for path in CODES.glob("*/debian.txt"))
+FIELD = sorted(IN_PYTHON + IN_JAVASCRIPT + OF_DEBIAN)
 """Those with an environment of their own, which `make field` makes."""
 DEVIATIONS = sorted(CODES.glob("*/deviations/*.*"))
 
@@ -81,7 +82,7 @@ def is_exact(link):
 
 def scripts_of(text, folder):
     """The scripts without refdem that a text names; each is there."""
-    names = re.findall(r"deviations/[\w.]+\.(?:py|js)", text)
+    names = re.findall(r"deviations/[\w.]+\.(?:py|js|cpp)", text)
     for name in names:
         assert (folder / name).is_file(), name
     return names
@@ -164,6 +165,15 @@ def test_every_package_of_node_is_pinned_with_a_digest(name):
     assert {package: versions[package] for package in asked} == asked
 
 
+@pytest.mark.parametrize("name", OF_DEBIAN)
+def test_every_package_of_debian_is_pinned_with_a_digest(name):
+    title, *packages = (CODES / name / "debian.txt").read_text().splitlines()
+    assert title.startswith("# ")
+    assert packages
+    for package in packages:
+        assert re.fullmatch(r"[a-z0-9.+-]+=[\w.:+~-]+ --hash=sha256:[0-9a-f]{64}", package)
+
+
 @pytest.mark.parametrize("name", FIELD)
 def test_a_code_of_the_field_stays_alive_and_says_how_it_is_installed(name):
     description = read(CODES / name / "refdem.toml")
@@ -172,13 +182,17 @@ def test_a_code_of_the_field_stays_alive_and_says_how_it_is_installed(name):
     program, helper = ("python", "../served.py")
     if name in IN_JAVASCRIPT:
         program, helper = ("node", "../served.js")
+    if name in OF_DEBIAN:
+        program, helper = ("driver", "driver.cpp")
     assert description.engine.command[0] == f"../../../.venv-field/{name}/bin/{program}"
     assert description.audit
     assert helper in description.engine.inputs
 
 
 def modules_of(path):
-    """The first words of the modules that a script in Python or in JavaScript imports."""
+    """The first words of the modules that a script in Python, JavaScript or C++ imports."""
+    if path.suffix == ".cpp":
+        return set(re.findall(r"""#include [<"](\w+)""", path.read_text()))
     if path.suffix == ".js":
         return set(re.findall(r"""require\(["'][./]*([^."']+)""", path.read_text()))
     tree = ast.parse(path.read_text())
@@ -198,7 +212,7 @@ def modules_of(path):
 
 @pytest.mark.parametrize("path", DEVIATIONS, ids=lambda path: f"{path.parts[-3]}/{path.stem}")
 def test_a_deviation_is_shown_without_refdem_and_told_of_in_its_description(path):
-    assert not modules_of(path) & {"refdem", "served", "border", "hinges"}
+    assert not modules_of(path) & {"refdem", "refdem_driver", "served", "border", "hinges"}
     told = (path.parents[1] / "refdem.toml").read_text()
     assert f"deviations/{path.name}" in told
 
