@@ -1,5 +1,19 @@
 """YADE under the gate."""
 
+from pathlib import Path
+
+import pytest
+
+DRIVER = Path(__file__).resolve().parents[3] / "validation/codes/yade/driver.py"
+LAW = {
+    "law": "linear",
+    "stiffness": 128.0,
+    "tangential_stiffness": 64.0,
+    "friction": 0.25,
+    "branch": "R-d/2",
+    "cutoff": "zero_force",
+}
+
 
 def test_the_gate_is_open(gates):
     gates.assert_open("yade")
@@ -14,3 +28,30 @@ def test_a_material_as_its_documentation_has_it_closes_it(gates):
         "ViscElMat(kn=2 * kn",
         "ViscElMat(kn=kn",
     )
+
+
+def test_a_facet_taken_for_a_sphere_of_the_same_radius_closes_it(gates):
+    gates.assert_closed(
+        "yade",
+        "impact-benchmarks[member=dem-05 branch=R-d/2]",
+        "error/v.x",
+        "yade/driver.py",
+        "material(law, 2 * radius)",
+        "material(law, radius)",
+    )
+
+
+@pytest.mark.parametrize(
+    ("cosine", "sine", "size", "damping"),
+    [(-1.0, 0.0, 1.0, 0.0), (0.0, 1.0, 1.0, 1.0), (0.8, 0.6, 1e-5, 0.0), (-0.6, -0.8, 1.0, 1.0)],
+)
+def test_a_wall_of_any_normal_is_the_same_wall(tmp_path, bounce, cosine, sine, size, damping):
+    command = ("yade", "-x", "-n", str(DRIVER))
+    law = LAW | {"damping": damping}
+    velocity, omega = bounce(command, law).after(tmp_path, 1.0, 0.0)
+    assert velocity[2] > 0.8
+    assert omega[1] < 2.0
+    velocity_turned, omega_turned = bounce(command, law, size).after(tmp_path, cosine, sine)
+    # 1e4 steps, each with a few roundings of numbers of size 1.
+    assert velocity_turned == pytest.approx(velocity, abs=1e-11)
+    assert omega_turned == pytest.approx(omega, abs=1e-11)

@@ -8,6 +8,7 @@ from pathlib import Path
 
 sys.path.insert(0, str(Path(sys.argv[0]).resolve().parents[1]))
 import border
+import triangle
 from border import cannot
 from yade import minieigenHP, utils
 from yade import wrapper as y
@@ -74,19 +75,26 @@ def place(request, law):
 
 
 def place_planes(request, law):
-    """Puts the planes into YADE."""
+    """Puts the planes into YADE: as a wall, or as a facet if they rub or lie along no axis.
+
+    The lever of friction is R - d/2 at a facet; at a wall it is another for slip than for torque.
+    """
     planes = border.of_kind(request, "plane")
+    cannot(planes and law is None, "planes without a contact law")
     radii = {body["shape"].get("radius") for body in request["scene"]["bodies"]}
-    cannot(
-        planes and (law is None or law["friction"] > 0 or len(radii) > 1),
-        "planes but with spheres of one radius that do not rub",
-    )
+    cannot(planes and len(radii) > 1, "planes but with spheres of one radius")
     for plane in planes:
-        axes = [k for k in range(3) if plane["normal"][k] == 1]
-        cannot(not axes, "planes whose normal is not +x, +y or +z")
-        RUN.bodies.append(
-            utils.wall(plane["point"], axes[0], sense=1, material=material(law, *radii))
-        )
+        inradius = triangle.reach(request, plane)
+        if triangle.is_along_an_axis(plane) and law["friction"] == 0:
+            axis = [abs(a) for a in plane["normal"]].index(1)
+            sense = int(plane["normal"][axis])
+            body = utils.wall(plane["point"], axis, sense=sense, material=material(law, *radii))
+        else:
+            # A facet counts as a sphere of radius 2 R (Ig2_Facet_Sphere_ScGeom).
+            (radius,) = radii
+            corners = triangle.corners(plane, inradius)
+            body = utils.facet(corners, material=material(law, 2 * radius))
+        RUN.bodies.append(body)
 
 
 def record(stride):
@@ -118,9 +126,14 @@ def main(request_json, trajectory):
             for k in range(3)
         )
     )
-    meet = [y.Ig2_Sphere_Sphere_ScGeom(avoidGranularRatcheting=False), y.Ig2_Wall_Sphere_ScGeom()]
+    meet = [
+        y.Ig2_Sphere_Sphere_ScGeom(avoidGranularRatcheting=False),
+        y.Ig2_Wall_Sphere_ScGeom(),
+        y.Ig2_Facet_Sphere_ScGeom(),
+    ]
+    bounds = [y.Bo1_Sphere_Aabb(), y.Bo1_Wall_Aabb(), y.Bo1_Facet_Aabb()]
     contact = [
-        y.InsertionSortCollider([y.Bo1_Sphere_Aabb(), y.Bo1_Wall_Aabb()], verletDist=0),
+        y.InsertionSortCollider(bounds, verletDist=0),
         y.InteractionLoop(meet, *LAWS[bool(law and law["damping"])]),
     ]
     begin = [y.ForceResetter(), *(contact if law else [])]
