@@ -8,13 +8,18 @@
  *
  * The files name their phases alike, and put them in this order, so that two of them can be laid
  * side by side.
- *   Contacts, from event to event: begin (state and modes of the start), measure (geometry, slip
- * and force of one contact), expand or rates (the motion within the modes), step_size, locate (the
- *   first event within the step), record (samples), accept (the end of the step becomes the state),
- *   change_mode (through the event).
- *   Taylor series: expand, step_size, record, accept.
- *   Steps of fixed size: begin, kick, drift, hold (constraints), finish.
- *   Closed forms: prepare (what the start decides), state_at (one time), run (all samples).
+ *
+ * Contacts, from event to event: begin (state and modes of the start), measure (geometry, slip and
+ * force of one contact), expand or rates (the motion within the modes), step_size, locate (the
+ * first event within the step), record (samples), accept (the end of the step becomes the state),
+ * change_mode (at the event).
+ *
+ * Taylor series: expand, step_size, record, accept.
+ *
+ * Steps of fixed size: begin, kick, drift, hold (constraints), finish.
+ *
+ * Closed forms: prepare (constants of the motion from its start), state_at (one time), run (all
+ * samples).
  */
 #ifndef REFDEM_KERNELS_H
 #define REFDEM_KERNELS_H
@@ -411,12 +416,12 @@ typedef struct {
     int no_pull;
 } refdem_oblique_pair;
 
-/* start (6): overlap, its rate, the transverse velocity of j from i, 0, the spins about the third
- * axis; touching or pressed. t (samples)
- * >= 0 [s], rising. out (samples, 12): overlap, its rate, transverse velocity, the angle of the
- * line of centres, spins, angles turned, work done against damping and friction (with what the
- * spring holds), whether it presses, the normal force, the work without. release: when it parts
- * [s], or infinity. Errors: a few ulp. Returns the number of samples reached. */
+/* start (6): overlap, its rate, the transverse velocity of j relative to i, 0, and the spins about
+ * the third axis; the spheres touch or overlap. t (samples): rising times, at least 0 [s]. out
+ * (samples, 12): overlap, its rate, transverse velocity, the angle of the line of centres, spins,
+ * angles turned, work done against damping and friction (with the energy of the spring), whether
+ * it presses, the normal force, the work without that energy. release: the time at which the
+ * spheres part [s], or infinity. Errors: a few ulp. Returns the number of samples reached. */
 int64_t refdem_oblique(const refdem_oblique_pair *p, const double *start, int64_t samples,
                        const double *t, double *release, double *out);
 
