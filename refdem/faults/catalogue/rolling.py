@@ -28,7 +28,7 @@ def _of_rolling(**parts: Any) -> Inside:
 
 
 def _resisted(along: Any, inverse_mass: Any, turn: Any) -> Any:
-    """Friction that holds the slip at 0, and a thousandth of it more."""
+    """The friction that keeps the slip at 0, larger by a thousandth."""
     return vec.times(1.001, rolling.holding(along, inverse_mass, turn))
 
 
