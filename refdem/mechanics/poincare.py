@@ -38,6 +38,7 @@ def exponent(growth: Array, seconds: Array) -> Exponent:
     that does not grow in the mean may still differ by a factor e between begin and end.
     """
     blocks = growth.shape[1]
+    # Rate of a block: its growth over its duration seconds/B.
     rates = growth * (blocks / seconds[:, None])
     spread = rates.std(axis=1, ddof=1) / np.sqrt(blocks)
     return Exponent(rates.mean(axis=1), np.maximum(spread, 1.0 / seconds))
