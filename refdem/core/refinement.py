@@ -534,13 +534,14 @@ def past_impacts(
 ) -> tuple[float, ...]:
     """The levels, halved alike until the motion after its impacts can be judged too.
 
-    An impact that truth certifies enlarges errors S-fold, which `levels` does not know. Where a
-    method sees it at the end of a step, the coarsest level is to hold
+    An impact that truth certifies multiplies errors by S, which `levels` does not include. For a
+    method that detects impacts at the end of a step, the coarsest level is halved until its bound
+    at the end of the certified motion is small enough,
 
-        C (1 + T/tau) (h/tau)^p S <= 0.1/SHARP,
+        (C (1 + T/tau) (h/tau)^p + resolution) S <= HORIZON/SHARP,
 
-    as far as the finest takes at most IMPACT_STEPS steps. Velocities that lag keep their levels,
-    for truth was sampled at the delays of these.
+    or until a further halving would make the finest level take more than IMPACT_STEPS steps.
+    Methods with velocities that lag keep their levels, since truth was sampled at their delays.
     """
     has_impacts = truth.scalars.keys() & {"impact_time", "impact_1"}
     is_late = (
