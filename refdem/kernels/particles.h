@@ -159,8 +159,9 @@ static inline double stretch_limit(const refdem_particles *p, const contact *m)
     return m->limit / p->tangential_stiffness;
 }
 
-/* A speed [m/s] below which slip is rounding and has no direction: 1e-11 R sqrt(k (1/m_i + 1/m_j)),
- * of the radius times the pair's own frequency. */
+/* A speed [m/s] below which slip is rounding and has no direction: 1e-11 R w with the frequency
+ * w = sqrt(k (1/m_i + 1/m_j)) of the pair. Under Hertz's law k has the value of the stiffness
+ * k sqrt(d) at an overlap of 1 m. */
 static inline double slip_floor(const refdem_particles *p, const contact *m)
 {
     double inverse_mass = p->inverse_mass[m->i];

@@ -15,6 +15,7 @@ positional = partial(Fault, kind="positional")
 
 
 def _of_field(force: Any) -> Inside:
+    """The force of a piecewise field replaced by another function."""
     return within("positional", of_parts(field_force=force))
 
 

@@ -24,6 +24,7 @@ roll = partial(Fault, kind="rolling")
 
 
 def _of_rolling(**parts: Any) -> Inside:
+    """Parts of a body that slides and rolls replaced by other functions."""
     return within("rolling", of_parts(**parts))
 
 
