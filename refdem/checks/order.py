@@ -16,6 +16,7 @@ import numpy as np
 from refdem.checks._beside_impacts import errors_of
 from refdem.checks._crossings import crossings, has_crossings, is_belt
 from refdem.checks._impacts import is_sequence
+from refdem.checks.contact_impulse import alternating_slip, slip_in_scales
 from refdem.core.check import Check, CompletedRun, Subject
 from refdem.core.finding import Finding
 from refdem.core.judgement import (
@@ -220,7 +221,7 @@ class Order(Check):
         if not errors_at[subject.levels[0]]:
             return [undecided(self.name, "state", MIXED)]
         state = self._state(subject, runs, truth, errors_at)
-        return [with_key(subject, state), *self._growth(subject, errors_at)]
+        return [with_key(subject, state), *self._growth(subject, runs, errors_at)]
 
     def _state(
         self,
@@ -279,9 +280,12 @@ class Order(Check):
             return undecided(self.name, "state", ROUNDED)
         return finding
 
-    def _growth(self, subject: Subject, errors_at: Seen) -> list[Finding]:
+    def _growth(
+        self, subject: Subject, runs: Mapping[Variant, CompletedRun], errors_at: Seen
+    ) -> list[Finding]:
         """The finding that errors at the three finest levels do not rise as the step falls,
-        whatever their bound.
+        whatever their bound; none where they are within what friction leaves that alternates in
+        sign from step to step.
 
         They are compared on the samples up to which all three are small: beyond the horizon errors
         have no order. Where kinks scatter errors, the mean slope of all levels must show the rise
@@ -297,7 +301,7 @@ class Order(Check):
         all_resolved = all(
             error > _floor(subject, h) for h, error in zip(levels[-3:], largest[-3:], strict=True)
         )
-        if not all_resolved:
+        if not all_resolved or _alternates(subject, runs, levels[-3:], largest[-3:]):
             return []
         # Octaves by which the error rises at each halving.
         rises = [float(np.log2(fine / coarse)) for coarse, fine in pairwise(largest[-3:])]
@@ -528,6 +532,22 @@ def _kinks_explain(subject: Subject, steps: list[float], largest: list[float]) -
         return False
     of_finest = bound(subject.instance, subject.method, min(steps), truth)
     return max(largest) <= float(of_finest.max())
+
+
+def _alternates(
+    subject: Subject,
+    runs: Mapping[Variant, CompletedRun],
+    levels: list[float],
+    errors: list[float],
+) -> bool:
+    """True if friction may alternate at each level and the error is within the slip that one step
+    of it produces: a slip of 0 is then left by a rounding, in a direction that is chance.
+    """
+    for level, error in zip(levels, errors, strict=True):
+        slip = alternating_slip(subject, runs[Variant(level)].trajectory, level)
+        if not slip or error > slip_in_scales(subject, slip):
+            return False
+    return True
 
 
 def _count_of_events(subject: Subject, truth: SampledTruth) -> int:
