@@ -10,6 +10,7 @@ import sys
 import tempfile
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 
 import pytest
@@ -87,6 +88,60 @@ class Gates:
             found, loop = said.partition(": ")[2].split(", ")
             rows.setdefault(words.strip(), []).append((found, loop))
         return rows
+
+
+def turned(cosine: float, sine: float, vector: list[float]) -> list[float]:
+    """A vector (x, y, z) turned about y."""
+    x, y, z = vector
+    return [cosine * x + sine * z, y, cosine * z - sine * x]
+
+
+@dataclass(frozen=True)
+class Bounce:
+    """A sphere that spins and strikes a wall, turned about y from the normal z, in a code."""
+
+    command: tuple[str, ...]
+    law: dict[str, object]
+    size: float = 1.0
+
+    def after(self, folder: Path, cosine: float, sine: float) -> list[list[float]]:
+        """Velocity [m/s] and omega [rad/s] afterwards, turned back; lengths are times `size`."""
+        to = partial(turned, cosine, sine)
+
+        def lengths(vector: list[float]) -> list[float]:
+            return [self.size * x for x in to(vector)]
+
+        body = {
+            "mass": 1.0,
+            "inertia": [0.1 * self.size**2] * 3,
+            "shape": {"kind": "sphere", "radius": 0.5 * self.size},
+            "position": lengths([0.3, 0.2, 0.60305]),  # touches amid a step
+            "velocity": lengths([0.5, 0.2, -1.0]),
+            "attitude": [1.0, 0.0, 0.0, 0.0],
+            "omega": to([1.0, 3.0, 2.0]),
+            "fixed": False,
+        }
+        plane = {"kind": "plane", "point": [0.0, 0.0, 0.0], "normal": to([0.0, 0.0, 1.0])}
+        scene = {"bodies": [body], "elements": [plane, {"kind": "contact", **self.law}]}
+        numbers = {"method": "", "step": 1e-4, "stride": 10000, "times": [0, 1], "scene": scene}
+        (folder / "request.json").write_text(json.dumps(numbers))
+        subprocess.run(
+            [*self.command, "request.json", "trajectory.csv"],
+            cwd=folder,
+            check=True,
+            capture_output=True,
+            timeout=60,
+        )
+        last = (folder / "trajectory.csv").read_text().splitlines()[-1].split(",")
+        velocity, omega = ([float(word) for word in last[k : k + 3]] for k in (5, 12))
+        back = partial(turned, cosine, -sine)
+        return [[v / self.size for v in back(velocity)], back(omega)]
+
+
+@pytest.fixture(scope="session")
+def bounce() -> type[Bounce]:
+    """The class, for a test to give it a code's command and a law."""
+    return Bounce
 
 
 @pytest.fixture(scope="session")

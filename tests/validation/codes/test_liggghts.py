@@ -1,5 +1,20 @@
 """LIGGGHTS under the gate."""
 
+from pathlib import Path
+
+import pytest
+
+DRIVER = Path(__file__).resolve().parents[3] / "validation/codes/liggghts/driver.py"
+LAW = {
+    "law": "linear",
+    "stiffness": 128.0,
+    "tangential_stiffness": 64.0,
+    "damping": 1.0,
+    "friction": 0.25,
+    "branch": "R-d/2",
+    "cutoff": "zero_force",
+}
+
 
 def test_the_gate_is_open(gates):
     gates.assert_open("liggghts")
@@ -14,3 +29,29 @@ def test_numbers_of_a_contact_one_per_cent_too_high_close_it(gates):
         "{law[key] if key",
         "{1.01 * law[key] if key",
     )
+
+
+def test_a_wall_a_tenth_of_a_radius_away_closes_it(gates):
+    gates.assert_closed(
+        "liggghts",
+        "impact-benchmarks[member=co-6 branch=R-d/2]",
+        "error/v.x",
+        "liggghts/driver.py",
+        """{plane['point'][k]!r}\"""",
+        """{plane['point'][k] + 0.01!r}\"""",
+    )
+
+
+@pytest.mark.parametrize("size", [1.0, 1e-5])
+@pytest.mark.parametrize(
+    ("cosine", "sine"), [(-1.0, 0.0), (0.0, 1.0), (0.0, -1.0), (0.8, 0.6), (-0.6, -0.8)]
+)
+def test_a_wall_of_any_normal_is_the_same_wall(tmp_path, bounce, cosine, sine, size):
+    command = ("python3", str(DRIVER), "liggghts")
+    velocity, omega = bounce(command, LAW).after(tmp_path, 1.0, 0.0)
+    assert velocity[2] > 0.8
+    assert omega[1] < 2.0
+    velocity_turned, omega_turned = bounce(command, LAW, size).after(tmp_path, cosine, sine)
+    # 1e4 steps, each with a few roundings of numbers of size 1.
+    assert velocity_turned == pytest.approx(velocity, abs=1e-11)
+    assert omega_turned == pytest.approx(omega, abs=1e-11)

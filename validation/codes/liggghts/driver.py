@@ -4,6 +4,7 @@ exactly ends with status 77.
 LIGGGHTS keeps no attitude of spheres: the trajectory has the one at the start.
 """
 
+import math
 import os
 import subprocess
 import sys
@@ -11,7 +12,9 @@ from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 import border
+import triangle
 from border import cannot
+from triangle import is_along_an_axis
 
 BOX = 1e6
 """Half the side of the box [m]; nothing must leave it."""
@@ -19,7 +22,7 @@ START = (
     "units si\natom_style granular\natom_modify map array sort 0 0\nboundary f f f\nnewton"
     " off\ncommunicate single vel yes\n"
 )
-START += f"neighbor {BOX!r} nsq\nneigh_modify delay 0 every 1 check yes\nread_data data.liggghts"
+START += f"neighbor {BOX!r} bin\nneigh_modify delay 0 every 1 check yes\nread_data data.liggghts"
 NUMBERS = {
     "kn": "stiffness",
     "kt": "tangential_stiffness",
@@ -76,11 +79,59 @@ def contact(request):
     words = "model hooke/stiffness tangential history"
     switches = f"absolute_damping on tangential_damping off limitForce {'off' if pulls else 'on'}"
     yield f"pair_style gran {words} {switches}\npair_coeff * *"
-    for n, plane in enumerate(planes):
-        axes = [k for k in range(3) if plane["normal"][k] == 1]
-        cannot(not axes, "planes whose normal is not +x, +y or +z")
-        place = f"primitive type 1 {'xyz'[axes[0]]}plane {plane['point'][axes[0]]!r}"
-        yield f"fix wall{n} all wall/gran {words} {place} {switches}"
+    yield from walls(request, words, switches)
+
+
+def walls(request, words, switches):
+    """The walls: along an axis a primitive each, of other planes one of triangles, a mesh each."""
+    meshes = []
+    for n, plane in enumerate(border.of_kind(request, "plane")):
+        if is_along_an_axis(plane):
+            k = [abs(a) for a in plane["normal"]].index(1)
+            place = f"primitive type 1 {'xyz'[k]}plane {plane['point'][k]!r}"
+            yield f"fix wall{n} all wall/gran {words} {place} {switches}"
+        else:
+            corners = triangle.corners(plane, triangle.reach(request, plane))
+            Path(f"mesh{n}.stl").write_text(stl(corners, plane["normal"]))
+            yield f"fix mesh{n} all mesh/surface file mesh{n}.stl type 1"
+            meshes.append(f"mesh{n}")
+    if meshes:  # LIGGGHTS takes all meshes in one wall
+        place = f"mesh n_meshes {len(meshes)} meshes {' '.join(meshes)}"
+        yield f"fix meshes all wall/gran {words} {place} {switches}"
+
+
+def unit_of_length(request):
+    """The unit of length [m] for LIGGGHTS: 1, or for meshes a power of two near their size.
+
+    LIGGGHTS ends at a mesh of 1e-3 m ("dimensions too small - use different unit system"); a power
+    of two rounds no number.
+    """
+    planes = border.of_kind(request, "plane")
+    sizes = [triangle.reach(request, plane) for plane in planes]
+    if all(map(is_along_an_axis, planes)):
+        return 1.0
+    return 2.0 ** math.floor(math.log2(max(sizes)))
+
+
+def in_unit(request, unit):
+    """The request with lengths in this unit [m]; those of mass and time, and so N/m, stay."""
+    lengths = {"position", "velocity", "radius", "point", "g", "anchor_b", "length"}
+
+    def scaled(thing, is_length=False):
+        if isinstance(thing, dict):
+            return {key: scaled(value, key in lengths) for key, value in thing.items()}
+        if isinstance(thing, list):
+            return [scaled(value, is_length) for value in thing]
+        return thing / unit if is_length else thing
+
+    return request | {"scene": scaled(request["scene"])}
+
+
+def stl(corners, normal):
+    """A triangle in the words of an STL file."""
+    places = [f"vertex {joined(corner)}" for corner in corners]
+    lines = ["solid wall", f"facet normal {joined(normal)}", "outer loop", *places]
+    return "\n".join([*lines, "endloop", "endfacet", "endsolid wall", ""])
 
 
 def pushes(request):
@@ -114,6 +165,8 @@ def main(program, request_json, trajectory):
     request, step, stride = border.read(request_json)
     border.refuse_shapes(request)
     border.refuse_kinds(request, "contact", "plane", "uniform_gravity", "spring")
+    unit = unit_of_length(request)
+    request = in_unit(request, unit)
     bodies = request["scene"]["bodies"]
     times = request["times"]
     Path("data.liggghts").write_text(data(bodies))
@@ -142,7 +195,14 @@ def main(program, request_json, trajectory):
         sorted([float(x) for x in line.split()] for line in frame[8:] if line) for frame in frames
     ]
     table = [
-        (t, n, s[1:4], s[4:7], bodies[n]["attitude"], s[7:10])
+        (
+            t,
+            n,
+            [unit * x for x in s[1:4]],
+            [unit * v for v in s[4:7]],
+            bodies[n]["attitude"],
+            s[7:10],
+        )
         for t, f in zip(times, states, strict=True)
         for n, s in enumerate(f)
     ]
