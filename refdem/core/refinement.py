@@ -531,9 +531,8 @@ def past_impacts(
 
         C (1 + T/tau) (h/tau)^p S <= 0.1/SHARP,
 
-    as far as the finest takes at most IMPACT_STEPS steps, and the levels that an order needs stay
-    above round-off, as in `levels`. Velocities that lag keep their levels, for truth was sampled at
-    the delays of these.
+    as far as the finest takes at most IMPACT_STEPS steps. Velocities that lag keep their levels,
+    for truth was sampled at the delays of these.
     """
     has_impacts = truth.scalars.keys() & {"impact_time", "impact_1"}
     is_late = (
@@ -548,18 +547,10 @@ def past_impacts(
     wanted = HORIZON / SHARP
     while steps_at(instance, method, levels[-1] / 2) <= most:
         allowed = bound(instance, method, levels[0], truth)
-        finer = tuple(level / 2 for level in levels)
-        if allowed[-1] <= wanted or _is_rounded(instance, method, finer):
+        if allowed[-1] <= wanted:
             break
-        levels = finer
+        levels = tuple(level / 2 for level in levels)
     return levels
-
-
-def _is_rounded(instance: Instance, method: Method, levels: tuple[float, ...]) -> bool:
-    """True if the finest of the levels that an order needs is lost in round-off."""
-    finest = levels[:ORDER_LEVELS][-1]
-    allowed = _final_truncation(instance, method, order(instance, method), finest)
-    return allowed < COUNTING_FLOOR * resolution(instance, method, finest)
 
 
 def _final_truncation(instance: Instance, method: Method, power: float, step: float) -> float:

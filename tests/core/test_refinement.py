@@ -6,14 +6,12 @@ import pytest
 from refdem.core import discovery
 from refdem.core.engine import Method
 from refdem.core.refinement import (
-    COUNTING_FLOOR,
     IMPACT_STEPS,
     bound,
     clock,
     flight,
     levels,
     past_impacts,
-    resolution,
     round_off,
     truncation,
 )
@@ -243,20 +241,6 @@ def test_levels_go_on_until_the_motion_after_its_impacts_can_be_judged(case, giv
     as_fine_as_allowed = motion.times[-1] / after[-1] > IMPACT_STEPS / 2
     assert reached <= 0.1 / 8 or as_fine_as_allowed
     assert bound(motion, first_order, after[-1], truth)[-1] < 0.01
-
-
-@pytest.mark.parametrize("case", ["hard-spheres", "hard-wall"])
-def test_levels_past_impacts_leave_those_of_an_order_above_round_off(case):
-    """In single precision 2^-24, steps that are added up round by as much as they are wrong."""
-    motion = discovery.case(case).at()
-    truth = truth_of(motion)
-    single = Method(name="m", summary="", control="step", order=1, precision="single")
-    before = levels(motion, single, 4, 3e5)
-    after = past_impacts(motion, single, before, truth, 3e5)
-    third = after[2]
-    assert third < before[2]
-    allowed = truncation(motion, single, third, motion.times)[-1]
-    assert allowed >= COUNTING_FLOOR * resolution(motion, single, third)
 
 
 def test_levels_stay_where_nothing_meets_or_a_method_sees_impacts_as_they_happen():
