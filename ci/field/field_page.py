@@ -51,6 +51,8 @@ and for discrete elements stand side by side: a case asks the same of both.
   errors are at most {ACCURACY:g}.
 - **Deviations** are findings beyond a bound that the gate expects, each with its reason, a script
   that shows it without refdem, and the place in the code or its documents.
+- **Worse** and **lost** compare with what the gate accepted before, and say nothing of a bound;
+  **undecided** is what no bound could tell.
 - **Empty cells** say why in a word, and as a title in full.
 
 `make field CODES=NAME` runs a code again; `ci/field/field.py --page` makes this page anew from the
@@ -355,16 +357,18 @@ def title_of(script: Path) -> str:
 
 
 def message(kept: Kept) -> str:
-    """What a badge says: in how many cases everything held, some deviate, and some are broken."""
+    """What a badge says: in how many cases every bound held, some deviate as expected, and some
+    are wrong. What is worse than a baseline, within its bound, is for the gate.
+    """
     ran = [result for result in kept.results if not result.refused]
     cases = {result.label for result in ran}
-    broken = {result.label for result in ran if set(BROKEN) & set(result.counts)}
-    deviating = {result.label for result in ran if result.deviations} - broken
-    words = [f"{len(cases - broken - deviating)} of {len(cases)} cases hold"]
+    wrong = {result.label for result in ran if {"fail", "error"} & result.counts.keys()}
+    deviating = {result.label for result in ran if result.deviations} - wrong
+    words = [f"{len(cases - wrong - deviating)} of {len(cases)} cases hold"]
     if deviating:
         words.append(f"{len(deviating)} deviate")
-    if broken:
-        words.append(f"{len(broken)} fail")
+    if wrong:
+        words.append(f"{len(wrong)} fail")
     return ", ".join(words)
 
 

@@ -6,9 +6,11 @@ from pathlib import Path
 
 import field_page
 import pytest
-from field_results import Kept, Law, Result, Run, write
+from field_results import Kept, Law, Result, Run, read, write
 
-CODES = Path(__file__).parents[3] / "validation" / "codes"
+ROOT = Path(__file__).parents[3]
+CODES = ROOT / "validation" / "codes"
+OUT = ROOT / "reports" / "field"
 PASSED = Result(
     label="pendulum",
     method="world-step",
@@ -32,6 +34,7 @@ REFUSED = Result(
     label="hard-wall", method="world-step", counts={"unsupported": 1}, refused="no walls"
 )
 FAILED = Result(label="hard-spheres", method="world-step", counts={"fail": 2, "pass": 1})
+WORSE = Result(label="hard-wall", method="world-step", counts={"worse": 2})
 HELD = Result(label="rolling", method="world-step", counts={"pass": 3})
 
 
@@ -132,6 +135,7 @@ def test_methods_of_a_code_that_has_several_are_named(tmp_path):
         ([PASSED, REFUSED], "open", "1 of 1 cases hold", "#1a7f37"),
         ([PASSED, DEVIATING], "open", "1 of 2 cases hold, 1 deviate", "#9a6700"),
         ([PASSED, FAILED], "closed", "1 of 2 cases hold, 1 fail", "#cf222e"),
+        ([WORSE], "closed", "1 of 1 cases hold", "#cf222e"),
     ],
 )
 def test_a_badge_counts_cases_and_is_coloured_by_the_gate(results, state, words, colour):
@@ -146,3 +150,15 @@ def test_a_script_without_a_title_is_told_of(tmp_path):
     script.write_text("import b\n")
     with pytest.raises(ValueError, match="has no title"):
         field_page.title_of(script)
+
+
+def test_the_committed_page_is_that_of_the_committed_results():
+    """After a change of a description or of the page: `ci/field/field.py --page`."""
+    assert (OUT / "index.md").read_text() == field_page.page(CODES, OUT)
+
+
+@pytest.mark.parametrize("path", sorted(OUT.glob("*.jsonl")), ids=lambda path: path.stem)
+def test_a_committed_badge_is_that_of_the_committed_results(path):
+    found = read(path)
+    assert found.run.code == path.stem
+    assert path.with_suffix(".svg").read_text() == field_page.badge(found)
