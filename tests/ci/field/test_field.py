@@ -129,6 +129,7 @@ def test_a_package_of_debian_of_another_digest_is_refused(tmp_path, monkeypatch,
 
 def test_a_machine_without_the_tools_of_debian_says_so(tmp_path, monkeypatch, capsys):
     monkeypatch.setattr(field, "ENVIRONMENTS", tmp_path)
+    monkeypatch.setattr(field, "OUT", tmp_path / "field")
     monkeypatch.setenv("PATH", str(tmp_path))
     assert field.state("ode", may_install=True) == field.NOT_INSTALLED
     assert capsys.readouterr().err.startswith("ode: apt-get, dpkg-deb, make, g++ not on PATH")
@@ -138,6 +139,7 @@ def test_a_code_that_cannot_be_built_is_not_installed(tmp_path, monkeypatch):
     monkeypatch.setattr(field, "is_installed", lambda name: True)
     monkeypatch.setattr(field, "ENVIRONMENTS", tmp_path)
     monkeypatch.setattr(field, "CODES", tmp_path)
+    monkeypatch.setattr(field, "OUT", tmp_path / "field")
     (tmp_path / "ode").mkdir()
     (tmp_path / "ode" / "Makefile").write_text("all:\n\tfalse\n")
     assert field.state("ode", may_install=False) == field.NOT_INSTALLED
