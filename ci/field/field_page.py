@@ -331,7 +331,7 @@ def deviation_text(code: Code, reason: str, out: Path) -> str:
     names = dict.fromkeys(re.findall(r"deviations/[\w.]+\.(?:py|js|cpp)", reason))
     evidence = [script_link(code.folder / name, out) for name in names]
     sources = dict.fromkeys(one.link for one in own if one.link)
-    evidence += [f"[source](<{source}>)" for source in sources]
+    evidence += [f"[source]({source})" for source in sources]
     findings = [f"- {markdown_text(excused(one))}" for one in own]
     head = f"{markdown_text(reason)}\n\nShown by {', '.join(evidence)}; it excuses"
     return "\n".join([f"{head}\n", *findings])

@@ -88,7 +88,7 @@ def test_a_deviation_leads_to_its_reason_its_script_and_its_source(page_of):
     told = page.partition("### ode 1")[2]
     assert "Contacts yield by CFM" in told
     assert "codes/ode/deviations/cfm.cpp)" in told
-    assert "[source](<https://sources.debian.org/src/ode/" in told
+    assert "[source](https://sources.debian.org/src/ode/" in told
     assert "rest/speed: 1e-10 to 2e-8, version 0.16" in told
 
 
