@@ -249,3 +249,41 @@ def test_the_shared_quaternion_of_a_rotation_is_that_of_the_rotation(monkeypatch
         # q and -q are one rotation; ten times the few roundings of nine products.
         overlap = abs(sum(a * b for a, b in zip(q, found, strict=True)))
         assert abs(overlap - 1) < 1e-14
+
+
+COLUMNS = (
+    ("lammps", "gran"),
+    ("lammps", "granular"),
+    ("lammps-debian", "gran"),
+    ("lammps-debian", "granular"),
+    ("liggghts", "stiffness"),
+)
+"""Code and method of each column of the table of the DEM canon."""
+
+
+def largest_errors(code, method):
+    """The largest error at the finest step by member of impact-benchmarks, from a baseline."""
+    errors = {}
+    for line in (CODES / code / "refdem-baseline.jsonl").read_text().splitlines()[1:]:
+        finding = json.loads(line)
+        label, found, _ = finding["id"].partition(f"/{code}/{method}/error/")
+        if not found or label.partition("[")[0] != "impact-benchmarks":
+            continue
+        member = labelled(label)[1].get("member", "co-4")
+        errors[member] = max(errors.get(member, 0.0), finding["value"])
+    return errors
+
+
+def test_the_table_of_the_dem_canon_is_that_of_the_baselines():
+    page = (CODES.parents[1] / "reports/findings.md").read_text()
+    section = page.partition("## The DEM canon in DEM codes")[2].partition("\n## ")[0]
+    rows = [line.strip("| ").split(" | ") for line in section.splitlines() if line[:2] == "| "]
+    shown = {column: {} for column in COLUMNS}
+    for member, *cells in rows[1:]:
+        for column, cell in zip(COLUMNS, cells, strict=True):
+            if re.fullmatch(r"\d\.\de-\d\d", cell):
+                shown[column][member] = cell
+    for column in COLUMNS:
+        errors = largest_errors(*column)
+        assert errors
+        assert shown[column] == {member: f"{error:.1e}" for member, error in errors.items()}
