@@ -151,6 +151,11 @@ ROUNDED = (
     "coarser pairs of levels show the claimed order, and rounding may be what the finest pair lacks"
 )
 """Why a deficit of the finest pair alone decides nothing next to round-off."""
+ALTERNATES = (
+    "friction alternates in sign from step to step, and what one step of it leaves is more than the"
+    " errors that grow"
+)
+"""Why errors that grow decide nothing where a slip of 0 is left by a rounding."""
 
 
 class Order(Check):
@@ -284,8 +289,8 @@ class Order(Check):
         self, subject: Subject, runs: Mapping[Variant, CompletedRun], errors_at: Seen
     ) -> list[Finding]:
         """The finding that errors at the three finest levels do not rise as the step falls,
-        whatever their bound; none where they are within what friction leaves that alternates in
-        sign from step to step.
+        whatever their bound; undecided where they rise within what friction leaves that alternates
+        in sign from step to step.
 
         They are compared on the samples up to which all three are small: beyond the horizon errors
         have no order. Where kinks scatter errors, the mean slope of all levels must show the rise
@@ -301,7 +306,7 @@ class Order(Check):
         all_resolved = all(
             error > _floor(subject, h) for h, error in zip(levels[-3:], largest[-3:], strict=True)
         )
-        if not all_resolved or _alternates(subject, runs, levels[-3:], largest[-3:]):
+        if not all_resolved:
             return []
         # Octaves by which the error rises at each halving.
         rises = [float(np.log2(fine / coarse)) for coarse, fine in pairwise(largest[-3:])]
@@ -313,6 +318,8 @@ class Order(Check):
         rise = 0.0
         if rises_throughout:
             rise = max(0.0, sum(rises))
+        if rise > 0 and _alternates(subject, runs, levels[-3:], largest[-3:]):
+            return [undecided(self.name, "growth", ALTERNATES)]
         listed = ", ".join(f"{error:.2g}" for error in largest)
         return [
             judged(
