@@ -34,6 +34,7 @@ include_patterns = [
     "reports/manual/*.md",
     "reports/gallery/gallery.md",
     "reports/bench.md",
+    "reports/field/index.md",
     "reports/findings.md",
     "reports/mutants.md",
     "reports/resolution.md",

@@ -1,48 +1,36 @@
-"""Installs widely used codes, runs the gate of each, and writes reports/field/index.md: a matrix of
-cases and codes, with digits and the time to accuracy, and the deviations with their scripts.
+"""Installs widely used codes, runs the gate of each, and writes what it found into
+reports/field/NAME.jsonl, and from that the page reports/field/index.md and the badges.
 Codes that are not run now keep the results of their last run, with version and date.
 
-usage: ci/field/field.py [--no-install] [NAME...]; without names all folders of validation/codes
-that have requirements of their own, of Python (requirements.in), of Node.js (package.json) or of
-Debian (debian.txt, with a Makefile). A code whose packages cannot be installed is told of, and the
-others run.
+usage: ci/field/field.py [--no-install] [--page] [NAME...]; without names all folders of
+validation/codes that have requirements of their own, of Python (requirements.in), of Node.js
+(package.json) or of Debian (debian.txt, with a Makefile), and the others that are there. A code
+whose packages cannot be installed is told of, and the others run. With --page nothing runs.
 """
 
 import argparse
 import hashlib
-import math
-import os
-import re
 import shlex
 import shutil
 import subprocess
 import sys
-from collections.abc import Iterable
 from datetime import UTC, datetime
 from pathlib import Path
 
-import msgspec
+import field_page
+import field_results
 
-from refdem.core.deviation import Deviation
-from refdem.core.finding import Outcome, Record
-from refdem.engines.external.sense import read
+from refdem.core.finding import Record
+from refdem.engines.external import External
 from refdem.report.jsonl import RECORDS, sheets_in
 
 ROOT = Path(__file__).resolve().parents[2]
 CODES = ROOT / "validation" / "codes"
 ENVIRONMENTS = ROOT / ".venv-field"
 OUT = ROOT / "reports" / "field"
-ACCURACY = 1e-3
-"""The error, in units of a quantity's scale, at which times are told: what a picture needs."""
 REFDEM = "from refdem.cli import main; main()"
 """The command line, of the refdem that this Python imports."""
 NOT_INSTALLED = "not installed"
-ENDED = "ended.json"
-"""The file beside the report of a code that keeps how its last run ended."""
-TOLD: dict[Outcome, str] = {"expected": "deviations", "fail": "failed", "error": "errors"}
-"""Outcomes of findings that a cell counts, and the words for them."""
-
-
 LOCKS = {
     "requirements.in": "requirements.txt",
     "package.json": "package-lock.json",
@@ -52,20 +40,28 @@ LOCKS = {
 
 
 def known() -> list[str]:
-    """The codes that have an environment of their own."""
-    return sorted(path.parent.name for asked in LOCKS for path in CODES.glob(f"*/{asked}"))
+    """The codes that have a description."""
+    return sorted(path.parent.name for path in CODES.glob("*/refdem.toml"))
 
 
-def lock_of(name: str) -> Path:
-    """The lock of a code: every package that is installed, with its version and digest."""
+def lock_of(name: str) -> Path | None:
+    """The lock of a code: every package that is installed, with its version and digest; None for a
+    code without an environment of its own.
+    """
     folder = CODES / name
-    return next(folder / lock for asked, lock in LOCKS.items() if (folder / asked).is_file())
+    locks = [folder / lock for asked, lock in LOCKS.items() if (folder / asked).is_file()]
+    return next(iter(locks), None)
 
 
 def is_installed(name: str) -> bool:
-    """True if the environment of a code was made of the requirements that are there now."""
+    """True if the environment of a code was made of the requirements that are there now, or if a
+    code that has none is there.
+    """
+    lock = lock_of(name)
+    if lock is None:
+        return External(CODES / name / "refdem.toml").missing() is None
     stamp = ENVIRONMENTS / name / "made"
-    return stamp.is_file() and stamp.read_text() == lock_of(name).read_text()
+    return stamp.is_file() and stamp.read_text() == lock.read_text()
 
 
 def install(name: str) -> bool:
@@ -74,6 +70,9 @@ def install(name: str) -> bool:
     """
     home = ENVIRONMENTS / name
     lock = lock_of(name)
+    if lock is None:
+        print(f"{name}: {External(CODES / name / 'refdem.toml').missing()}", file=sys.stderr)
+        return False
     installed = {
         "requirements.txt": installed_by_pip,
         "package-lock.json": installed_by_npm,
@@ -158,128 +157,28 @@ def gated(name: str) -> int:
     return subprocess.run(command, check=False, cwd=ROOT).returncode
 
 
-def errors(records: Iterable[Record]) -> list[tuple[float, float]]:
-    """The largest error of all quantities, and the seconds, of each level of each method."""
-    found = []
-    for record in records:
-        worst: dict[float, tuple[float, float]] = {}
-        levels = [
-            level
-            for finding in record.findings
-            if finding.check == "error"
-            for level in finding.levels
-        ]
-        for level in levels:
-            error, seconds = worst.get(level.level, (0.0, 0.0))
-            worst[level.level] = (max(error, level.error), max(seconds, level.seconds))
-        found += list(worst.values())
-    return [(error, seconds) for error, seconds in found if math.isfinite(error)]
-
-
-def cell(records: list[Record]) -> str:
-    """What a code did on a case: digits of its best run, the least time to the accuracy, and how
-    many findings failed or deviate as expected.
-    """
-    if not records:
-        return ""
-    words = []
-    levels = errors(records)
-    best = min((error for error, _ in levels), default=math.inf)
-    if 0 < best < 1:
-        words.append(f"{-math.log10(best):.1f} digits")
-    if best == 0:
-        words.append("exact")
-    in_time = [seconds for error, seconds in levels if error <= ACCURACY]
-    if in_time:
-        words.append(f"{1e3 * min(in_time):.2g} ms")
-    outcomes = [finding.outcome for record in records for finding in record.findings]
-    for outcome, word in TOLD.items():
-        count = outcomes.count(outcome)
-        if count:
-            words.append(f"{count} {word}")
-    return ", ".join(words) or "held"
-
-
-def row(cells: Iterable[str]) -> str:
-    """A line of a table in Markdown."""
-    return "| " + " | ".join(cell.replace("|", "\\|") for cell in cells) + " |"
-
-
-def deviations(name: str) -> list[str]:
-    """Lines about the deviations of a code: its scripts, and what its gate expects."""
-    folder = CODES / name
-    expected: list[Deviation] = read(folder / "refdem.toml").expected
-    lines = [
-        f"- {deviation.case}, {deviation.check}/{deviation.quantity}: {deviation.reason}"
-        for deviation in expected
-    ]
-    for script in sorted((folder / "deviations").glob("*.*")):
-        path = os.path.relpath(script, OUT)
-        lines.append(f"- [{script.name}]({path}): {title_of(script)}")
-    return lines
-
-
-def title_of(script: Path) -> str:
-    """The first line of what a script, in Python, JavaScript or C++, says of itself."""
-    said = re.match(r'("""|// )(.+)', script.read_text())
-    if said is None:
-        raise ValueError(f"{script} has no title: expected a docstring or a comment at its start")
-    return said[2].removesuffix('"""')
-
-
-class Ended(msgspec.Struct, frozen=True):
-    """How the last run of a code ended: the state of its gate, its version, and the day (UTC)."""
-
-    state: str
-    version: str
-    date: str
-
-
 def keep(name: str, state: str) -> None:
-    """Writes how the run of a code ended beside its report."""
-    version = next((record.version for record in records_of(name)), "")
-    ended = Ended(state=state, version=version, date=f"{datetime.now(UTC):%Y-%m-%d}")
-    home = OUT / name
-    home.mkdir(parents=True, exist_ok=True)
-    (home / ENDED).write_bytes(msgspec.json.encode(ended))
+    """Writes what the last run of a code found, and its badge."""
+    records = records_of(name)
+    engine = External(CODES / name / "refdem.toml")
+    run = field_results.Run(
+        code=name,
+        version=next((record.version for record in records), ""),
+        state=state,
+        date=f"{datetime.now(UTC):%Y-%m-%d}",
+        methods={method.name: method.summary for method in engine.methods},
+    )
+    kept = field_results.Kept(run, field_results.results(records))
+    field_results.write(OUT / f"{name}.jsonl", kept)
 
 
-def kept() -> dict[str, Ended]:
-    """How the last run of each code ended, of all that were ever run and are still known."""
-    paths = {name: OUT / name / ENDED for name in known()}
-    return {
-        name: msgspec.json.decode(path.read_bytes(), type=Ended)
-        for name, path in paths.items()
-        if path.is_file()
-    }
-
-
-def page(found: dict[str, list[Record]], ended: dict[str, Ended]) -> str:
-    """The page: states, the matrix of cases and codes, deviations."""
-    codes = list(ended)
-    cases = list(dict.fromkeys(record.label for records in found.values() for record in records))
-    lines = [
-        "# Widely used codes under the gate",
-        "",
-        f"Digits are those of the best run; times are the least to an error of {ACCURACY:g}, in",
-        "units of each quantity's scale, in the loop of the code's driver.",
-        "",
-        row(["code", "version", "gate", "run on"]),
-        row(["---"] * 4),
-        *(row([name, last.version, last.state, last.date]) for name, last in ended.items()),
-        "",
-        row(["case", *codes]),
-        row(["---"] * (len(codes) + 1)),
-    ]
-    for label in cases:
-        cells = []
-        for name in codes:
-            of_case = [record for record in found.get(name, []) if record.label == label]
-            cells.append(cell(of_case))
-        lines.append(row([label, *cells]))
-    for name in codes:
-        lines += ["", f"## {name}", "", *deviations(name)]
-    return "\n".join(lines) + "\n"
+def write_page() -> None:
+    """Writes the page and the badges from the results of all codes that ever ran."""
+    for code in field_page.codes_in(CODES, OUT):
+        if code.kept is not None:
+            (OUT / f"{code.name}.svg").write_text(field_page.badge(code.kept))
+    (OUT / "index.md").write_text(field_page.page(CODES, OUT))
+    print(f"page: {OUT / 'index.md'}")
 
 
 def records_of(name: str) -> list[Record]:
@@ -305,25 +204,37 @@ def state(name: str, *, may_install: bool) -> str:
     return f"closed, exit status {status}"
 
 
+def there() -> list[str]:
+    """The codes that can be installed, and those without an environment that are there."""
+    return [name for name in known() if lock_of(name) is not None or is_installed(name)]
+
+
+def run(names: list[str], *, may_install: bool) -> dict[str, str]:
+    """How the gate of each code ended; one that is not installed keeps what its last run found."""
+    statuses = {}
+    for name in names:
+        statuses[name] = state(name, may_install=may_install)
+        if statuses[name] != NOT_INSTALLED:
+            keep(name, statuses[name])
+        print(f"{name}: {statuses[name]}", flush=True)
+    return statuses
+
+
 def main() -> int:
     """Exit status: 1 if a gate is closed, 2 if a code that was named is not there, else 0."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("names", nargs="*", metavar="NAME")
     parser.add_argument("--no-install", action="store_true")
+    parser.add_argument("--page", action="store_true", help="make the page from what is kept")
     arguments = parser.parse_args()
     unknown = sorted(set(arguments.names) - set(known()))
     if unknown:
         parser.error(f"no code {', '.join(unknown)}; known are {', '.join(known())}")
     OUT.mkdir(parents=True, exist_ok=True)
     statuses = {}
-    for name in arguments.names or known():
-        statuses[name] = state(name, may_install=not arguments.no_install)
-        keep(name, statuses[name])
-        print(f"{name}: {statuses[name]}", flush=True)
-    ended = kept()
-    found = {name: records_of(name) for name in ended}
-    (OUT / "index.md").write_text(page(found, ended))
-    print(f"page: {OUT / 'index.md'}")
+    if not arguments.page:
+        statuses = run(arguments.names or there(), may_install=not arguments.no_install)
+    write_page()
     if any(status.startswith("closed") for status in statuses.values()):
         return 1
     if NOT_INSTALLED in statuses.values():

@@ -9,6 +9,7 @@ KINDS = {
     ".py",
     ".pyi",
     ".c",
+    ".cpp",
     ".h",
     ".toml",
     ".csv",
@@ -22,8 +23,10 @@ KINDS = {
     ".txt",
     ".typed",
 }
+NAMES = {"Makefile"}
 
 if __name__ == "__main__":
     for path in sorted(Path(sys.argv[1]).rglob("*")):
-        if path.suffix in KINDS and "__pycache__" not in path.parts:
+        is_source = path.suffix in KINDS or path.name in NAMES
+        if is_source and "__pycache__" not in path.parts:
             print(path)

@@ -64,6 +64,17 @@ def alternating_slip(subject: Subject, run: Trajectory, step: float) -> float | 
     return float(np.max(contact.slip_change_of_step[alternates], initial=0.0))
 
 
+def slip_in_scales(subject: Subject, slip: float) -> float:
+    """A slip s [m/s] as a change of velocity or of spin, in units of their scales: max(s/V, s/(R
+    W)).
+    """
+    scales = subject.instance.scales
+    bodies = subject.instance.scene.bodies
+    smallest = float(np.min(bodies.radius[bodies.radius > 0]))
+    omega_scale = float(np.max(np.linalg.norm(bodies.omega, axis=1))) or 1.0 / scales.tau
+    return max(slip / scales.speed, slip / smallest / omega_scale)
+
+
 class ContactImpulse(Check):
     """Impulses between samples, for two spheres alone or for one and a wall: a sum of forces, each
     of which obeys the law.

@@ -131,8 +131,8 @@ class Energy(Check):
         if len(subject.levels) > 1:
             findings.append(self._balance(subject, subject.finest, runs, "finest"))
         balance = self._balance(subject, _first_sharp(subject, runs), runs, "balance")
-        is_finest_decided = any(finding.outcome != "undecided" for finding in findings)
-        if balance.outcome != "undecided" or not is_finest_decided:
+        # What is undecided is said once, of the finest level.
+        if balance.outcome != "undecided" or not findings:
             findings.insert(0, balance)
         reports_work = _dissipated_work(subject, runs[subject.finest]) is not None
         scene = subject.instance.scene
@@ -161,6 +161,7 @@ class Energy(Check):
         measured = self._imbalance(subject, runs[variant])
         if isinstance(measured, str):
             return undecided(self.name, quantity, measured)
+        scene = subject.instance.scene
         claimed, basis = subject.kept("energy", variant.level)
         claimed = claimed * _outgrown_by_force(subject, runs[variant].trajectory)
         of_places = subject.round_off(variant.level) * _position_rounding(subject)
@@ -177,6 +178,11 @@ class Energy(Check):
                     "truncation error extrapolated from the coarsest step with the claimed order"
                 )
             allowed = np.minimum(allowed, extrapolated)
+        if variant != subject.finest and scene.is_conservative() and not measured.is_rise:
+            share = self._share_by_halving(subject, variant, runs, allowed)
+            if share < 1.0:
+                basis += f", of which the change at the next halving leaves {share:.2g}"
+            allowed = share * allowed
         return worst(
             check=self.name,
             quantity=quantity,
@@ -212,22 +218,60 @@ class Energy(Check):
         Where steps straddle kinks, C in C h^p scatters by `room_of`, and a step that straddles a
         kink at the finest level adds its own error (`straddled`).
         """
-        level = subject.levels[-1]
+        left = self._left_at(subject, subject.finest, finest, len(changes[0]))
+        if not may_straddle(subject):
+            return left_at_finest(subject, *changes) + left
+        halved = float((subject.levels[-1] / subject.levels[0]) ** subject.order)
+        return room_of(subject) * float(np.max(changes[0])) * halved + left
+
+    def _left_at(
+        self, subject: Subject, variant: Variant, run: CompletedRun, count: int
+    ) -> Array | float:
+        """What changes of the step do not show of the error of the energy, one or (count,): twenty
+        round-offs, and what steps that straddle kinks leave; infinite where that is unknown.
+        """
+        level = variant.level
         of_places = subject.round_off(level) * _position_rounding(subject)
         # Equal terms, as in free flight, have the same rounding error at every step.
         summation = flight(subject.instance, subject.method, level)
         rounding = of_places + _summed_rounding(subject, level) + _rod_rounding(subject)
-        floor = TERMS * COUNTING_FLOOR * (rounding + summation)
+        floor: Array | float = TERMS * COUNTING_FLOOR * (rounding + summation)
         if not may_straddle(subject):
-            return left_at_finest(subject, *changes) + floor
+            return floor
         if not subject.instance.quantities:
             return np.inf
-        by_quantity = straddled(subject, level, finest.trajectory, len(changes[0]))
-        beside = np.maximum.reduce(list(by_quantity.values()))
-        halved = (level / subject.levels[0]) ** subject.order
-        scattered = room_of(subject) * float(np.max(changes[0])) * halved
-        bound: Array = scattered + TERMS * beside + floor
-        return bound
+        by_quantity = straddled(subject, level, run.trajectory, count)
+        return floor + TERMS * np.asarray(np.maximum.reduce(list(by_quantity.values())))
+
+    def _share_by_halving(
+        self,
+        subject: Subject,
+        variant: Variant,
+        runs: Mapping[Variant, CompletedRun],
+        allowed: Array,
+    ) -> float:
+        """The part of the bound `allowed` (T,) that the change of the energy at the next halving
+        leaves, at most 1; 1 where the next level was not run.
+
+        With an error e(h) = C h^p of the energy, the change from h to h/2 is (1 - 2^-p) e(h). So
+        e(h) is at most `room_of` times that change over 1 - 2^-p, and what straddled steps of both
+        levels leave.
+        """
+        finer = Variant(variant.level / 2)
+        if subject.method.control != "step" or subject.keeps("energy") or finer not in runs:
+            return 1.0
+        scene = subject.instance.scene
+        coarse, fine = (
+            mechanical(scene, runs[one].trajectory) / energy_scale(subject.instance)
+            for one in (variant, finer)
+        )
+        change = np.maximum.accumulate(np.abs(coarse - fine))
+        left = self._left_at(subject, variant, runs[variant], len(change))
+        implied = room_of(subject) / (1.0 - 2.0**-subject.order) * change + left
+        share = float(np.max(implied / allowed))
+        if not np.isfinite(share):
+            return 1.0
+        return min(1.0, share)
 
     def _imbalance(self, subject: Subject, run: CompletedRun) -> Imbalance | str:
         """The imbalance, or the reason why it is unknown.

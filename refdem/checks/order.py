@@ -16,6 +16,7 @@ import numpy as np
 from refdem.checks._beside_impacts import errors_of
 from refdem.checks._crossings import crossings, has_crossings, is_belt
 from refdem.checks._impacts import is_sequence
+from refdem.checks.contact_impulse import alternating_slip, slip_in_scales
 from refdem.core.check import Check, CompletedRun, Subject
 from refdem.core.finding import Finding
 from refdem.core.judgement import (
@@ -150,6 +151,11 @@ ROUNDED = (
     "coarser pairs of levels show the claimed order, and rounding may be what the finest pair lacks"
 )
 """Why a deficit of the finest pair alone decides nothing next to round-off."""
+ALTERNATES = (
+    "friction alternates in sign from step to step, and what one step of it leaves is more than the"
+    " errors that grow"
+)
+"""Why errors that grow decide nothing where a slip of 0 is left by a rounding."""
 
 
 class Order(Check):
@@ -220,7 +226,7 @@ class Order(Check):
         if not errors_at[subject.levels[0]]:
             return [undecided(self.name, "state", MIXED)]
         state = self._state(subject, runs, truth, errors_at)
-        return [with_key(subject, state), *self._growth(subject, errors_at)]
+        return [with_key(subject, state), *self._growth(subject, runs, errors_at)]
 
     def _state(
         self,
@@ -279,9 +285,12 @@ class Order(Check):
             return undecided(self.name, "state", ROUNDED)
         return finding
 
-    def _growth(self, subject: Subject, errors_at: Seen) -> list[Finding]:
+    def _growth(
+        self, subject: Subject, runs: Mapping[Variant, CompletedRun], errors_at: Seen
+    ) -> list[Finding]:
         """The finding that errors at the three finest levels do not rise as the step falls,
-        whatever their bound.
+        whatever their bound; undecided where they rise within what friction leaves that alternates
+        in sign from step to step.
 
         They are compared on the samples up to which all three are small: beyond the horizon errors
         have no order. Where kinks scatter errors, the mean slope of all levels must show the rise
@@ -309,6 +318,8 @@ class Order(Check):
         rise = 0.0
         if rises_throughout:
             rise = max(0.0, sum(rises))
+        if rise > 0 and _alternates(subject, runs, levels[-3:], largest[-3:]):
+            return [undecided(self.name, "growth", ALTERNATES)]
         listed = ", ".join(f"{error:.2g}" for error in largest)
         return [
             judged(
@@ -528,6 +539,22 @@ def _kinks_explain(subject: Subject, steps: list[float], largest: list[float]) -
         return False
     of_finest = bound(subject.instance, subject.method, min(steps), truth)
     return max(largest) <= float(of_finest.max())
+
+
+def _alternates(
+    subject: Subject,
+    runs: Mapping[Variant, CompletedRun],
+    levels: list[float],
+    errors: list[float],
+) -> bool:
+    """True if friction may alternate at each level and the error is within the slip that one step
+    of it produces: a slip of 0 is then left by a rounding, in a direction that is chance.
+    """
+    for level, error in zip(levels, errors, strict=True):
+        slip = alternating_slip(subject, runs[Variant(level)].trajectory, level)
+        if not slip or error > slip_in_scales(subject, slip):
+            return False
+    return True
 
 
 def _count_of_events(subject: Subject, truth: SampledTruth) -> int:

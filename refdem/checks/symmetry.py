@@ -15,7 +15,7 @@ import numpy as np
 from refdem.checks._beside_impacts import nearest_velocities
 from refdem.checks._crossings import has_crossings
 from refdem.checks._impacts import growth_across, is_sequence, listed
-from refdem.checks.contact_impulse import alternating_slip
+from refdem.checks.contact_impulse import alternating_slip, slip_in_scales
 from refdem.core import symmetry
 from refdem.core.check import Array, Check, CompletedRun, Subject
 from refdem.core.finding import Finding
@@ -511,7 +511,7 @@ def _decided_by_rounding(
         return truncation
     if slip > 0:
         # Along an axis the slip may be exactly 0, in the plain run and in every perturbed start.
-        return truncation + 2 * _in_scales(subject, slip) * growth
+        return truncation + 2 * slip_in_scales(subject, slip) * growth
     observed: Array = MORE * np.maximum.accumulate(largest)
     if _iterates(subject):
         observed = observed + _left_by_iterations(subject, runs, growth, image)
@@ -543,17 +543,6 @@ def _fall_in_a_step(subject: Subject, level: float) -> float:
     speed = float(np.linalg.norm(np.sum(fields, axis=0))) * level
     smallest = min(extent(shape) for shape in scene.bodies.shape if isinstance(shape, Polyhedron))
     return 2 * max(speed / scales.speed, speed / smallest * scales.tau)
-
-
-def _in_scales(subject: Subject, slip: float) -> float:
-    """A slip s [m/s] as a change of velocity or of spin, in units of their scales: max(s/V, s/(R
-    W)).
-    """
-    scales = subject.instance.scales
-    bodies = subject.instance.scene.bodies
-    smallest = float(np.min(bodies.radius[bodies.radius > 0]))
-    omega_scale = float(np.max(np.linalg.norm(bodies.omega, axis=1))) or 1.0 / scales.tau
-    return max(slip / scales.speed, slip / smallest / omega_scale)
 
 
 def _differences_of_perturbed_starts(

@@ -59,14 +59,15 @@ def energy_scale(instance: Instance) -> float:
     states = ("position", "velocity", "attitude", "omega")
     columns = {name: getattr(scene.bodies, name)[None] for name in states}
     start = Trajectory(t=np.zeros(1), **columns)
-    # Terms of one potential may cancel in the sum, as those of a spring do.
+    # scale = T(0) + max(|V(0)|, sum of |terms| of each element): the terms of one potential may
+    # cancel in V, as those of a spring do.
     terms = [
         element.potential_terms(start.position, start.attitude)[0] for element in scene.elements
     ]
     potential = abs(scene.potential(start.position, start.attitude)[0])
     scale = kinetic(scene, start)[0] + max(potential, *terms, 0.0)
-    # Where the zero of a potential is arbitrary the start may seem to have no energy, and a drive
-    # may find everything at rest.
+    # At least m (L/tau)^2/2 where the start may have no energy: if the zero of a potential is
+    # arbitrary, or if a drive acts on bodies at rest.
     is_arbitrary = any(element.has_arbitrary_zero() for element in scene.elements)
     if is_arbitrary or scene.is_driven():
         scale = max(scale, instance.scales.energy / 2)
@@ -107,6 +108,7 @@ def angular_scale(instance: Instance) -> float:
         flight = 0.0
     else:
         flight = scales.duration * speed
+    # sum m |r| |v| + |J omega|, with |r| = |r(0)| + |v| T of a free body; J at most J_max.
     distance = np.linalg.norm(bodies.position, axis=1) + flight
     orbital = bodies.mass @ (distance * speed)
     spin = np.sum(bodies.inertia.max(axis=1) * np.linalg.norm(bodies.omega, axis=1))

@@ -24,8 +24,8 @@ class Method:
 
     control: a fixed `step`, a `tolerance`, or `exact` (round-off only).
     order, order_with: the order p of the error; `order_with` lowers it for scenes with a feature.
-    constant: C in `error <= C L (T/tau) (h/tau)^p`; for a tolerance C in `error <= C 1e3 tol S`,
-    there for smooth motions.
+    constant: C in `error <= C (1 + t/tau) (h/tau)^p S`, relative to the scale; for a tolerance C in
+    `error <= C 1e3 tol S`, there for smooth motions.
     conserves: energy, momentum, angular-momentum, each to round-off.
     broken_with: for a law of `conserves`, the features of a scene with which it holds only to the
     order, and UNEQUAL_MOMENTS.
@@ -35,7 +35,7 @@ class Method:
     differenced_velocities: velocities are differences of places over a step, whose roundings they
     show divided by the step.
     summed_clock: the time is a plain sum of steps, so that each may add an error of u t.
-    locates_events: events have their own times, not that of the end of the step that sees them.
+    locates_events: events have their own times, not that of the end of the step they occur in.
     cuts_steps: steps end at each kink of the force, where a contact begins, sticks, slips or ends.
     The error is then that of a smooth motion, but for the part of the step that is cut off.
     tells: kinds of events, contact or release, of which the method tells every one, between bodies

@@ -99,6 +99,7 @@ class Ensemble(Problem):
 
     def perturbed(self, ulps: int) -> "Ensemble":
         """Every start moved as `Motion.perturbed` moves that of a motion."""
+        # r <- r (1 + eps),   v_k <- v_k (1 -+ eps) in turn, eps = ulps 2^-52.
         eps = ulps * 2.0**-52
         one_start = self.velocity[0]
         signs = np.where(np.arange(one_start.size) % 2, 1.0, -1.0).reshape(one_start.shape)

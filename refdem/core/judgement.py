@@ -32,9 +32,11 @@ PERTURBED = 64
 SMALL = 0.25
 """Errors above this part of the scale have no order: the run then follows another motion."""
 MORE = 8.0
-"""One perturbation stands for those in every direction: others may grow by this factor more."""
+"""Only one direction of perturbation is tried: perturbations in other directions may grow by this
+factor more.
+"""
 MOST_POINTS = 256
-"""Points that a curve in a record keeps: the largest value of each of as many stretches."""
+"""Number of points of a curve in a record: the largest value of each of as many equal parts."""
 
 
 PLACE = ("position", "attitude")
@@ -65,9 +67,11 @@ CUT_PREDICTION_FACTOR = 16.0
 cut step is random.
 """
 INTEGRATED = "the error of integrating the power between samples"
-"""What the basis of a bound says where the work that is compared is known no better."""
+"""The basis of a bound where the error of the compared work is that of its integration."""
 MAX_BOUND_TO_SIGNAL = 0.1
-"""A bound above this part of the signal decides nothing: a body that never moves would pass it."""
+"""Largest ratio of bound to signal with which a passed check counts: within a larger bound a body
+that never moves would pass.
+"""
 
 
 @dataclass(frozen=True)
@@ -367,6 +371,7 @@ def _errors(
         # The components of a group, as of an attitude, are compared together below.
         if quantity.group or name not in truth.values:
             continue
+        # max(0, |observed - truth| - radius)/scale.
         apart = difference(values[:until], truth.value(name), is_angle=quantity.angle)
         distance = np.maximum(0.0, np.abs(apart) - truth.radius(name))
         scaled[name] = distance / quantity.scale
@@ -397,6 +402,7 @@ def difference(values: Array, reference: Array, *, is_angle: bool) -> Array:
     if not is_angle:
         straight: Array = values - reference
         return straight
+    # a - b = atan2(sin a cos b - cos a sin b, cos a cos b + sin a sin b).
     across = np.sin(values) * np.cos(reference) - np.cos(values) * np.sin(reference)
     along = np.cos(values) * np.cos(reference) + np.sin(values) * np.sin(reference)
     turned: Array = np.arctan2(across, along)
@@ -583,6 +589,7 @@ def left_at_finest(subject: Subject, *changes: Array) -> float:
     order = subject.order
     finest = subject.levels[-1]
     starts = [k for k in range(len(largest)) if k == 0 or _cancels_before(largest, k, order)]
+    # PREDICTION_FACTOR max over k of e_k (h_finest/h_k)^p.
     predictions = [largest[k] * (finest / subject.levels[k]) ** order for k in starts]
     return float(PREDICTION_FACTOR * max(predictions))
 
@@ -596,6 +603,7 @@ def _cancels_before(largest: Sequence[float], k: int, order: float) -> bool:
     """
     if k + 1 >= len(largest) or min(largest[k - 1 : k + 2]) <= 0:
         return False
+    # Deficits p - log2(e_(k-1)/e_k) and p - log2(e_k/e_(k+1)).
     before = order - observed_order(largest[k - 1], largest[k])
     here = order - observed_order(largest[k], largest[k + 1])
     return here <= CANCELLED_DEFICIT and 2 * here <= before
@@ -653,6 +661,7 @@ def _spin_of_an_impulse(instance: Instance) -> float:
     turns = (bodies.radius > 0) & bodies.inertia.all(axis=1)
     if "contact" not in scene.features or not turns.any():
         return 0.0
+    # m R V/J.
     lever = bodies.mass[turns] * bodies.radius[turns] / bodies.inertia[turns].min(axis=1)
     return float(np.max(lever)) * instance.scales.speed
 
@@ -671,8 +680,10 @@ def growth_shown(instance: Instance, method: Method, moved: Trajectory, base: Tr
     It is MORE |moved - base| / (relative perturbation of the start), at least 1, its largest value
     so far. `moved` is the run whose start was moved by `perturbation`, `base` the plain run.
     """
+    # MORE |moved - base|/eps, with eps = perturbation 2^-52.
     perturbed_by = perturbation(method) * 2.0**-52
     ratio = distances(instance, moved, base) / perturbed_by
+    # The largest value of max(1, MORE ratio) so far.
     return np.maximum.accumulate(np.maximum(1.0, MORE * ratio))
 
 

@@ -81,7 +81,7 @@ class Billiard(Map, frozen=True, kw_only=True):
             )
 
     def admitted(self, start: Array) -> Array:
-        """The start with a direction of length 1."""
+        """The start (x, y, u, v) with (u, v) divided by its length."""
         return np.concatenate((start[:2], start[2:] / np.hypot(*start[2:])))
 
 

@@ -13,7 +13,7 @@ Found = TypeVar("Found")
 
 def once_for_each(find: Callable[[Owner], Found]) -> Callable[[Owner], Found]:
     """The same function, which finds its answer once for each object and forgets it with the
-    object; objects are told apart by their identity.
+    object; objects are distinguished by their identity.
     """
     known: WeakKeyDictionary[Owner, Found] = WeakKeyDictionary()
 

@@ -117,6 +117,7 @@ class Motion(Problem):
         eps = ulps * 2.0**-52
         if abs(eps) > FIT and "constraint" in self.features:
             return self._rotated(eps)
+        # Signs -1, 1, -1, ... in the order of the components.
         signs = np.where(np.arange(bodies.velocity.size) % 2, 1.0, -1.0)
         signs = signs.reshape(bodies.velocity.shape)
         scene = self.scene.with_state(
@@ -133,6 +134,7 @@ class Motion(Problem):
         bodies and one to that anchor keep their lengths.
         """
         anchors = [link.anchor_b for link in self.scene.all(Link) if link.b < 0]
+        # r <- p + Rz (r - p),   v <- Rz v.
         pivot = np.zeros(3)
         if anchors:
             pivot = np.array(anchors[0])

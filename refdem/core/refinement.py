@@ -42,7 +42,7 @@ HORIZON = 0.1
 ORDER_LEVELS = 3
 """Levels that an order needs: two pairs, which must agree."""
 COUNTING_FLOOR = 20.0
-"""A level counts for the order while its bound is at least this many times round-off."""
+"""A level is used for the order as long as its bound is at least this many times round-off."""
 IMPACT_STEPS = 2.0**15
 """Steps that the finest level of a motion with impacts takes at most."""
 SHARP = 8.0
@@ -59,7 +59,7 @@ its three axes in five turns.
 PLACE_ADDITIONS = 2.0
 """Additions to a place in a step: a leapfrog drifts twice, others add once."""
 MOST_STEPS = 1e10
-"""More steps than this are a slip of the caller's: no engine finishes them within a day."""
+"""Largest number of steps that is accepted: no engine makes more of them within a day."""
 CLOCK_STEPS = 4.0
 """Steps in one tau = 1/omega_max of a method that chooses its own steps: one of high order advances
 the phase by a fraction of a radian a step.
@@ -72,12 +72,12 @@ step, which is as good as random. Measured: 0.9 for velocity Verlet across a fie
 18 steps.
 """
 KINK_HALVINGS = 2
-"""Halvings of the finest step for the order of a motion with kinks: a mean over five octaves tells
-orders apart that pairs do not.
+"""Halvings of the finest step for the order of a motion with kinks: a mean over five octaves
+distinguishes orders that single pairs do not.
 """
 MEMORY = 4
-"""Steps to which a multistep method looks back, and which another rule has to make for it at the
-start.
+"""Number of earlier steps that a multistep method uses. At the start they have to be made by
+another rule.
 """
 UNRESOLVED = 0.5
 """Relative truncation error of a single tau from which a step resolves nothing of the motion."""
@@ -93,6 +93,7 @@ def round_off(instance: Instance, method: Method, steps: float) -> float:
     little inertia that touch (`of_touching_spins`), and of rods that hardly fix what they hold
     (`of_rods`). Of velocities that are differences of places it is `of_differences` times as large.
     """
+    # c u max(1, sqrt(n), T/tau).
     phase = instance.scales.duration / instance.scales.tau
     factor = max(
         ROUND_OFF_FACTOR,
@@ -112,6 +113,7 @@ def of_differences(instance: Instance, method: Method, steps: float) -> float:
     over h by u |r|/h, which is (tau/h) max(1, |r|/L) times u L/tau.
     """
     far = max(1.0, farthest_place(instance) / instance.scales.length)
+    # max(1, (tau/h) max(1, |r|/L)).
     return max(1.0, far * steps_of_differences(instance, method, steps))
 
 
@@ -151,6 +153,7 @@ def of_directions(instance: Instance) -> float:
     spins = np.any(bodies.omega != 0, axis=1) & np.all(bodies.inertia > 0, axis=1)
     if not spins.any():
         return 0.0
+    # |L|/(I_min |omega|), with L = I omega in the axes of the body.
     moments = bodies.inertia[spins]
     omega = rotated(conjugate(bodies.attitude[spins]), bodies.omega[spins])
     momentum = np.linalg.norm(moments * omega, axis=1)
@@ -172,6 +175,7 @@ def of_touching_spins(instance: Instance) -> float:
         return 0.0
     bodies = problem.scene.bodies
     turns = np.all(bodies.inertia > 0, axis=1)
+    # m R^2/J_min.
     moments = bodies.inertia[turns].min(axis=1, initial=np.inf)
     ratio = bodies.mass[turns] * bodies.radius[turns] ** 2 / moments
     return float(np.max(ratio, initial=0.0))
@@ -231,6 +235,7 @@ def of_alternating_friction(instance: Instance) -> float:
         return 1.0
     laws = problem.scene.all(Contact)
     soft = [law for law in laws if law.law != "rigid" and law.tangential_stiffness == 0]
+    # max(1, mu, mu m R^2/J).
     largest = max((law.friction for law in soft), default=0.0)
     return max(1.0, largest, largest * of_touching_spins(instance))
 
@@ -244,14 +249,14 @@ def error_constant(instance: Instance, method: Method) -> float:
 
 def of_far_places(instance: Instance, method: Method, level: float) -> float:
     """Relative round-off of places that are far from the origin compared with the scale L of their
-    motion, or with the length of a rod whose angle they tell, as of a large ball that bounces by a
-    little, or of a short rod at the end of a long one.
+    motion, or with the length of a rod whose angle follows from them. Examples are a large ball
+    that bounces by a little, and a short rod at the end of a long one.
 
-    An addition to a place r rounds it by up to u |r|, however little is added. A run without steps
-    shows c u |r|/L, as any number. Steps make PLACE_ADDITIONS additions each, and of n steps
+    An addition to a place r rounds it by up to u |r|, however small the term. Without steps the
+    error is that of one number, c u |r|/L. A step makes PLACE_ADDITIONS additions. After n steps
 
-        three sigma of uniform roundings make   3 sqrt(PLACE_ADDITIONS n/3) u |r|/L,
-        roundings of equal terms make           n u |r|/L, as in `flight`,
+        uniform roundings add up, at three sigma, to   3 sqrt(PLACE_ADDITIONS n/3) u |r|/L,
+        roundings of equal terms add up to             n u |r|/L, as in `flight`,
 
     and velocities that are differences of places are rounded by tau/h times as much.
     """
@@ -285,6 +290,7 @@ def sweeping(instance: Instance, method: Method) -> float:
     rods = len(scene.all(Rod))
     if rods < 2 or method.control != "step":
         return 1.0
+    # sqrt(log2(1/u) 2 rods/bodies/10), at least 1.
     sweeps = -math.log2(method.round_off)
     roundings = sweeps * 2 * rods / len(scene.bodies)
     return max(1.0, math.sqrt(roundings / 10.0))
@@ -369,8 +375,7 @@ def smoothness(instance: Instance, method: Method) -> Singularity | None:
     Left out are those for which the method's claim stands as it is:
     - all of them, if the method locates events, for it may start a step on each;
     - those of an element that `order_with` names, for the claim was made with it in view;
-    - jumps, for every author knows of them: an order above 1 there claims that steps are cut at the
-      jump.
+    - jumps: an order above 1 that is claimed for them means that steps are cut at the jump.
     """
     if (
         method.control != "step"
@@ -402,6 +407,7 @@ def truncation(instance: Instance, method: Method, level: float, t: Array) -> Ar
         else:
             constant = method.constant
         return np.full(len(t), constant * TOLERANCE_FACTOR * level)
+    # C (1 + t/tau) (h/tau)^p.
     tau = instance.scales.tau
     power = order(instance, method)
     constant = error_constant(instance, method)
@@ -452,6 +458,7 @@ def bound(instance: Instance, method: Method, level: float, truth: SampledTruth)
     Far places replace round-off and flight where they are rounded by more.
     """
     t = instance.times[: truth.until]
+    # (truncation + resolution) max S.
     of_method = truncation(instance, method, level, t)
     return (of_method + resolution(instance, method, level)) * truth.growth()
 
@@ -462,6 +469,7 @@ def resolution(instance: Instance, method: Method, level: float) -> float:
     """
     rounding = round_off(instance, method, steps_at(instance, method, level))
     of_places = of_far_places(instance, method, level)
+    # max(round-off + flight, far places) + clock.
     near = rounding + flight(instance, method, level)
     return max(near, of_places) + clock(instance, method, level)
 
@@ -526,13 +534,14 @@ def past_impacts(
 ) -> tuple[float, ...]:
     """The levels, halved alike until the motion after its impacts can be judged too.
 
-    An impact that truth certifies enlarges errors S-fold, which `levels` does not know. Where a
-    method sees it at the end of a step, the coarsest level is to hold
+    An impact that truth certifies multiplies errors by S, which `levels` does not include. For a
+    method that detects impacts at the end of a step, the coarsest level is halved until its bound
+    at the end of the certified motion is small enough,
 
-        C (1 + T/tau) (h/tau)^p S <= 0.1/SHARP,
+        (C (1 + T/tau) (h/tau)^p + resolution) S <= HORIZON/SHARP,
 
-    as far as the finest takes at most IMPACT_STEPS steps. Velocities that lag keep their levels,
-    for truth was sampled at the delays of these.
+    or until a further halving would make the finest level take more than IMPACT_STEPS steps.
+    Methods with velocities that lag keep their levels, since truth was sampled at their delays.
     """
     has_impacts = truth.scalars.keys() & {"impact_time", "impact_1"}
     is_late = (
@@ -554,7 +563,9 @@ def past_impacts(
 
 
 def _final_truncation(instance: Instance, method: Method, power: float, step: float) -> float:
-    """Truncation bound C (T/tau) (h/tau)^p at the end of a run with this step h [s]."""
+    """Truncation bound C (T/tau) (h/tau)^p at the end of a run with this step h [s], with the C
+    that the method claims.
+    """
     scales = instance.scales
     phase = scales.duration / scales.tau
     return float(method.constant * phase * (step / scales.tau) ** power)

@@ -7,7 +7,7 @@ q(x, p) the quantities of a case,
 
     dq/dp = sum over s of dq/dx dx/ds ds/dp + dq/dp at fixed x.
 
-The program tells dx/ds; ds/dp and the two derivatives of q are central differences of order 6.
+The program reports dx/ds; ds/dp and the two derivatives of q are central differences of order 6.
 """
 
 from collections.abc import Callable, Mapping
@@ -30,8 +30,8 @@ from refdem.scene.scene import encoded
 Array = NDArray[np.float64]
 
 APART = Fraction(1, 2**9)
-"""Part of itself by which a number is moved. The error of the differences is about 2^-54 by the
-seventh derivative, and 2^-43 by rounding.
+"""Relative displacement h of a number for differences. Their error by truncation is h^6/140 = 2^-61
+times the seventh derivative, and by one rounding of each value about 2^-52/h = 2^-43.
 """
 WEIGHTS = {1: 45.0, 2: -9.0, 3: 1.0}
 """60 h f' = sum of w_k (f(k h) - f(-k h)), with an error of order h^6."""
@@ -81,6 +81,7 @@ def _leaves(key: str, value: Any) -> list[tuple[str, float]]:
 
 def slope(value_at: Callable[[int], Any]) -> Any:
     """The derivative by k of a function of whole numbers k = -3 ... 3, at 0, by WEIGHTS."""
+    # f' = (45 (f_1 - f_-1) - 9 (f_2 - f_-2) + (f_3 - f_-3))/60.
     total: Any = 0.0
     for k, weight in WEIGHTS.items():
         total = total + weight * (value_at(k) - value_at(-k))
@@ -152,8 +153,8 @@ def observed_slopes(
     run: Trajectory,
     rates: Mapping[str, float],
 ) -> dict[str, Array]:
-    """The derivative (T,) of every quantity that follows from states, as a run's own derivatives
-    tell it: d/de of q(x + e dx/dp, p + e) at e = 0.
+    """The derivative (T,) of every quantity that follows from states, by the derivatives dx/dp that
+    the run reports: d/de of q(x + e dx/dp, p + e) at e = 0.
     """
     change = tangent(run, rates)
     value = number.of(p)
@@ -171,6 +172,7 @@ def observed_slopes(
             continue
         away = {k: seen[name] - shown[0][name] for k, seen in shown.items()}
         if quantity.angle:
+            # The representative of the difference in [-pi, pi).
             away = {k: np.remainder(by + np.pi, 2 * np.pi) - np.pi for k, by in away.items()}
         slopes[name] = slope(away.__getitem__) / float(distance)
     return slopes
@@ -186,8 +188,8 @@ def rounding_of_slopes(
     """Error of observed slopes by rounding, in scales of a quantity over the unit of the number.
 
     Numbers of X scales are rounded by u X, so that a difference over a distance d is off by
-    ROUNDINGS X/d. A number that moves a motion by a small part of its scales, and places that are
-    far from the origin, leave the more of it.
+    ROUNDINGS X/d. The error is larger for a number that moves the motion by a small part of its
+    scales only, and for places that are far from the origin.
     """
     distance = _distance(instance, tangent(run, rates), _unit(p, number))
     return ROUNDINGS * _largest(instance, p, run) / distance
@@ -206,6 +208,7 @@ def rounding_of_differences(
     With the best step h = u^(1/3) s of a number s, and of 1 where s is 0, rounding and the third
     derivative leave noise X/h of states of X scales.
     """
+    # noise X sum |ds/dp|/(u^(1/3) |s|).
     numbers = numbers_in(instance.scene)
     steps = sum(abs(rate) / (abs(numbers[key]) or 1.0) for key, rate in rates.items())
     return noise * _largest(instance, p, run) * steps / BEST_STEP
@@ -240,8 +243,8 @@ def displaced(run: Trajectory, change: Array) -> Trajectory:
 
 
 def _unit(p: Parameters, number: CaseNumber) -> float:
-    """The size of a number: 1 of one that is 0, and of an angle at most 1 rad, for what turns by it
-    is no smoother where it counts many turns.
+    """The size |p| of a number, or 1 if it is 0. That of an angle is at most 1 rad, since a
+    function of an angle varies over a radian however many turns the angle has.
     """
     size = abs(float(number.of(p))) or 1.0
     if p.declared[number.name.split(".")[0]].unit == "rad":
@@ -253,6 +256,7 @@ def _distance(instance: Instance, change: Array, unit: float) -> float:
     """The distance by which a number is moved for differences of what is observed: APART of the
     number, and less where states would move by more than APART of their scales.
     """
+    # APART/max(1/|p|, max |dx/dp|/scale) = min(APART |p|, APART scale/max |dx/dp|).
     scales = instance.scales
     sizes = np.repeat(
         [scales.length, scales.speed, 1.0, 1.0 / scales.tau], [WIDTHS[name] for name in STATE]

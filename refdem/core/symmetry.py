@@ -143,7 +143,8 @@ class Symmetry:
         if self.reverse:
             columns = {name: column[::-1].copy() for name, column in columns.items()}
             shapes = shapes[::-1]
-        # What the symmetry leaves as it is is not held twice: there are many images.
+        # Columns that the symmetry does not change are shared with the original bodies, to save
+        # memory: there are many images.
         for name, column in columns.items():
             unmapped = getattr(bodies, name)
             if column.tobytes() == unmapped.tobytes():
@@ -292,6 +293,7 @@ def size(instance: Instance, symmetry: Symmetry) -> float:
     Round-off is relative to the numbers that are rounded, so it grows by this factor:
     max(1, |x|/L, |v| tau/L) of the start + (|d| + |u| T)/L + |u| tau/L.
     """
+    # max(1, |x|/L, |v| tau/L) + (|d| + |u| T)/L + |u| tau/L.
     scales = instance.scales
     bodies = instance.scene.bodies
     at_start = (
@@ -315,6 +317,7 @@ def rounded_rates(instance: Instance) -> float:
     phase = instance.scales.duration / instance.scales.tau
     rotates = np.all(bodies.inertia > 0, axis=1) & ~bodies.fixed
     moments = bodies.inertia[rotates]
+    # (J_b + J_c)/J_a T/tau, J_a the smallest moment.
     smallest = moments.min(axis=1)
     ratio = (moments.sum(axis=1) - smallest) / smallest
     return float(np.max(ratio, initial=0.0) * phase)

@@ -61,6 +61,9 @@ def work_along(scene: Scene, run: Trajectory) -> Work | None:
         if part is None:
             return None
         parts.append(part)
+    # With W_m the work by polynomials through m samples, in each interval:
+    #     last = |W_4 - W_3|,   before = |W_3 - W_2|,
+    #     change = SAFETY max(last, reduction before).
     fine, coarse, coarsest = parts
     last = np.abs(fine - coarse)
     before = np.abs(coarse - coarsest)

@@ -24,7 +24,8 @@ enum { STOPS = 1, LEAVES = 2, MOST_PIECES = 1 << 30 };
 typedef refdem_belt belt;
 
 /* A segment of the motion: series of x, of |u|, of the work done against friction and drive and of
- * the friction's slope N mu'(|u|); how long it lasts [s], and the event at its end, 0 for none. */
+ * the rate N mu'(|u|) of the friction with the slip speed; the duration [s]; and the event at its
+ * end, 0 for none. */
 typedef struct {
     double x[ORDER + 1], w[ORDER + 1], work[ORDER + 1], rate[ORDER + 1], end;
     int event;
@@ -59,6 +60,7 @@ static inline int sign_of(double pull)
 static inline double drive_at(const belt *p, dd now, double since, double *restrict slope)
 {
     double cosine, sine;
+    /* F cos(w (now + since) + phase), with the rate -F w sin(w (now + since) + phase). */
     turned(dd_add(dd_scale(dd_add(now, dd_of(since)), p->frequency), dd_of(p->phase)), &cosine,
            &sine);
     *slope = -p->amplitude * p->frequency * sine;
@@ -69,6 +71,8 @@ static inline double drive_at(const belt *p, dd now, double since, double *restr
 static inline double pull_at(const belt *p, const motion *m, double since, double *restrict slope)
 {
     double force = drive_at(p, m->now, since, slope);
+    /* P = F cos(w t + phase) + weight - k x with x = x_now + belt since, so that
+     * P' = -F w sin(w t + phase) - k belt. */
     *slope -= p->stiffness * p->belt;
     return force + p->weight - p->stiffness * (m->x.hi + (m->x.lo + p->belt * since));
 }
@@ -82,6 +86,7 @@ static inline motion begin(const belt *p, double x0, double v0, double t0)
                 .work = dd_of(0.0),
                 .w = fabs(v0 - p->belt),
                 .tangent = {1.0, 0.0}};
+    /* F w^n/n!: the n-th Taylor coefficient of the drive but for the derivative of the cosine. */
     m.drive_terms[0] = p->amplitude;
     for (int n = 1; n < ORDER; n++)
         m.drive_terms[n] = m.drive_terms[n - 1] * p->frequency * INVERSE[n];
@@ -114,8 +119,9 @@ static inline void expand_drive(const belt *p, const motion *m, double *restrict
 /* The series of a slip to m->side. With s = |u| = side u:
  *   x' = side s + belt,   m s' = side P - N (mu0 - mu1) q - N mu1 - N lambda1 s^2,
  *   q (1 + lambda0 s) = 1,  so that  q_n = -q_0 lambda0 (sum over k >= 1 of s_k q_(n-k)),
- * and the power lost is (side N mu - F cos) x'. Each coefficient of s is written so that it waits
- * for as few operations of the one before as can be: that chain is what an expansion costs. */
+ * and the power lost is (side N mu - F cos) x'. Each coefficient of s depends on the one before:
+ * the latency of this chain is the cost of an expansion. The products are arranged so that few
+ * operations follow each other in it. */
 static inline void expand_slip(const belt *p, const motion *m, int with_work, segment *restrict y)
 {
     double force[ORDER], q[ORDER];
@@ -152,9 +158,12 @@ static inline void expand_slip(const belt *p, const motion *m, int with_work, se
         if (!p->linear)
             w2 = coefficient(&w_w, w, w, n);
         double pull = force[n] + weight - p->stiffness * y->x[n];
+        /* q_n = -q_0 lambda0 (s_n q_0 + sum of s_k q_(n-k) over 0 < k < n). */
         q[n] = q_0;
         if (n > 0)
             q[n] = fma(w, minus_q0_lambda0 * q_0, minus_q0_lambda0 * w_q.sum[n]);
+        /* (n + 1) x_(n+1) = v_n,
+         * (n + 1) m s_(n+1) = side P_n - N mu1 [n = 0] - N lambda1 (s^2)_n - N (mu0 - mu1) q_n. */
         y->x[n + 1] = v * inverse;
         y->w[n + 1] = fma(-n_falling * inverse_mass * inverse, q[n],
                           inverse_mass * inverse * (side * pull - n_mu1 - n_lambda1 * w2));
@@ -171,7 +180,8 @@ static inline void expand_slip(const belt *p, const motion *m, int with_work, se
     }
     if (!m->has_tangent) /* only a tangent needs the slope of the friction */
         return;
-    /* N mu'(s) = N (2 lambda1 s - (mu0 - mu1) lambda0 q^2), or lambda1 in its first term. */
+    /* N mu'(s) = N (2 lambda1 s - (mu0 - mu1) lambda0 q^2) as q' = -lambda0 q^2; of the linear law
+     * the first term is lambda1. */
     for (int n = 0; n < ORDER; n++) {
         double growing_slope = 2.0 * y->w[n];
         if (p->linear)
@@ -195,8 +205,13 @@ static inline void expand_stick(const belt *p, const motion *m, segment *restric
     y->work[2] = -0.5 * p->stiffness * p->belt * p->belt;
 }
 
-/* The longest step h for which the last two terms, a_n h^n, stay at 2^-54, a quarter of an ulp, of
- * the motion's own length: h = (2^-54/a_n)^(1/n). What is cut off is far below. */
+/* The longest step h for which the last two terms of the series do not exceed 2^-54, a quarter of
+ * an ulp, relative to the length L of the motion:
+ *
+ *   h = min over n = ORDER - 1, ORDER of (2^-54 L/|a_n|)^(1/n),   at most 2/w0,
+ *   L = N mu0/k + |x| + |u|/w0,   a_n = max(|x_n|, |s_n|/w0),   w0 = sqrt(k/m).
+ *
+ * The truncation error is much smaller. */
 static inline double step_size(const belt *p, const segment *y)
 {
     double frequency = sqrt(p->stiffness / p->mass);
@@ -208,8 +223,9 @@ static inline double step_size(const belt *p, const segment *y)
     return fmin(fmin(step_last, step_last_but_one), 2.0 / frequency);
 }
 
-/* When the slip stops, the first zero of |u| besides the one with which it began; -1 if it does not
- * within h, which may be shortened where that decides the question sooner. */
+/* The time [s] at which the slip stops: the first zero of |u| after the one with which it began, or
+ * -1 if there is none within h. The step h is shortened where the bounds on the series decide this
+ * on a part of it only. */
 static inline double stop_time(const motion *m, const segment *y, double *restrict h)
 {
     double a[ORDER + 1];
@@ -217,7 +233,8 @@ static inline double stop_time(const motion *m, const segment *y, double *restri
     return first_zero_soon(a, h);
 }
 
-/* When |P| passes the limit N mu0, between two times between which P is monotone. */
+/* The time since now [s] at which |P| exceeds the limit N mu0: the zero of limit - side P, with the
+ * sign `side` of P at `high`. P is monotone between `low` and `high`. */
 static inline double limit_time(const belt *p, const motion *m, double limit, double low,
                                 double high)
 {
@@ -234,8 +251,8 @@ static inline double limit_time(const belt *p, const motion *m, double limit, do
     return b.high;
 }
 
-/* The time from now until the release [s]; infinity if it never comes. P' = -F w sin(w t + phase) -
- * k belt. */
+/* The time from now until the release [s], or infinity if the point sticks for ever. The pull has
+ * the rate P' = -F w sin(w t + phase) - k belt. */
 static inline double release_time(const belt *p, const motion *m)
 {
     double limit = p->normal_force * p->mu0;
@@ -321,7 +338,7 @@ static inline void carry_tangent(const belt *p, motion *m, const segment *y)
     m->tangent[1] = value(du, y->end);
 }
 
-/* The end of the segment becomes the state. */
+/* Makes the end of the segment the state: x += x(end) - x(0), and the same for the work. */
 static inline void accept(const belt *p, motion *m, const segment *y)
 {
     if (m->has_tangent && m->side)
@@ -355,8 +372,10 @@ static inline int change_mode(const belt *p, motion *m, const segment *y)
         m->tangent[1] = 0.0;
         return STOPS;
     }
-    /* It continues to slip with the other sign. m u' = P - side N mu0 jumps at the event, so that
-     * du_after/du_before = u'_after/u'_before. */
+    /* It continues to slip with the other sign, and m u' = P - side N mu0 jumps. A tangent shifts
+     * the time of the event by dt* = -du/u'_before, so that
+     *   du_after = du + (u'_before - u'_after) dt* = du u'_after/u'_before,
+     * while dx is continuous, since x' is. */
     m->side = sign_of(pull);
     m->zero_order = 1;
     m->tangent[1] *= (pull - m->side * limit) / (pull - before * limit);

@@ -10,8 +10,8 @@ typedef struct {
     double x, y;
 } refdem_vector2;
 
-/* Addresses in the engine: its space, its step, and what reads a body's state; angle and omega are
- * NULL if nothing can turn. */
+/* Addresses in the engine: its space, its step, and the functions that read a body's state; angle
+ * and omega are NULL if no body can rotate. */
 typedef struct {
     void *space;
     void (*step)(void *space, double h);
@@ -22,18 +22,18 @@ typedef struct {
 } refdem_chipmunk_engine;
 
 /* Steps Chipmunk `stride` times a sample. out (samples, bodies, 6): x, y [m], vx, vy [m/s], angle
- * [rad], omega [rad/s]; row 0 is the state at the start; angle and omega are left alone if nothing
- * can turn. Returns 0. */
+ * [rad], omega [rad/s]; row 0 is the state at the start; angle and omega are not written if no body
+ * can rotate. Returns 0. */
 int refdem_chipmunk_record(const refdem_chipmunk_engine *engine, int64_t bodies, void *const *body,
                            double h, int64_t samples, int64_t stride, double *out);
 
-/* Laws that Chipmunk asks for in every step. owner (laws): the engine's body or constraint that
- * each law belongs to, in ascending order of addresses. kind (laws): 0 drive, 1 spring, 2 dashpot,
- * 3 central field, 4 piecewise field, 5 soft contact, 6 dry friction that depends on the speed.
- * number (laws, 10): the rows of force_rows.h; of friction: normal force [N], mu0, mu1, lambda0
- * [s/m], lambda1 [s^2/m^2 or s/m], the power of the speed in its last term, axis (2). The others
- * are addresses in the engine; the step that began when `timestamp` was n ends at start + n step
- * [s]. */
+/* Forces that Chipmunk evaluates in every step by callbacks. owner (laws): the engine's body or
+ * constraint that each law belongs to, in ascending order of addresses. kind (laws): 0 drive, 1
+ * spring, 2 dashpot, 3 central field, 4 piecewise field, 5 soft contact, 6 dry friction that
+ * depends on the speed. number (laws, 10): the rows of force_rows.h; of friction: normal force [N],
+ * mu0, mu1, lambda0 [s/m], lambda1 [s^2/m^2 or s/m], the power of the speed in its last term, axis
+ * (2). The others are addresses in the engine; the step that began when `timestamp` was n ends at
+ * start + n step [s]. */
 typedef struct {
     void *space;
     unsigned int (*timestamp)(const void *space);

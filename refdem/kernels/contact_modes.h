@@ -1,13 +1,14 @@
 /* The modes of a contact: the guards of each mode, and the mode that follows.
  *
  * A guard is a function of the state that is positive as long as the pair stays in its mode; its
- * first zero is the event. With the strain d/R and the force F/(k R), by mode:
+ * first zero is the event. Only signs and zeros count; under the linear law guards are
+ * dimensionless. With the strain d/R and the force F/(k R), by mode:
  *   APART    GAP: -d/R
  *   PARTED   GAP: d/R, PULL: -F (it presses again)
  *   pressing GAP: d/R, or F/(k R) where the contact ends with its force
  *   FREE     PULL: -F;  SLIP  PULL: F (friction ends and begins with the sign of the force)
  *   STICK    HOLD: mu F - |f|, the margin of the holding force f to its limit
- *   SLIP     HOLD: u.s - mu F'/k_t, by how much the slip outruns the spring's limit
+ *   SLIP     HOLD: u.s - D', the slip along the spring less the rate of its stretch limit D
  */
 #ifndef REFDEM_CONTACT_MODES_H
 #define REFDEM_CONTACT_MODES_H
@@ -41,8 +42,12 @@ static inline double stick_guard(const runner *r, int64_t k, const contact *m,
     return (m->limit - holding_force) / (p->friction * p->stiffness * p->radius[m->i]);
 }
 
-/* Rate mu F'/k_t [m/s] at which the stretch of a spring at its limit grows, with F' = k d' + c d'',
- * d'' = (v_i - v_j).n' + (a_i - a_j).n. */
+/* Rate [m/s] of the stretch limit of a tangential spring (particles.h, stretch_limit),
+ *
+ *   D' = mu (k d' + c d'')/k_t,   d'' = (v_i - v_j).n' + (a_i - a_j).n.
+ *
+ * It holds for both laws: D = mu (k d + c d')/k_t for the linear one, and D = mu k d/k_t for that
+ * of Hertz, which has c = 0. */
 static inline double limit_growth(const refdem_particles *p, const contact *m,
                                   const double *restrict dy)
 {
@@ -58,8 +63,8 @@ static inline double limit_growth(const refdem_particles *p, const contact *m,
     return p->friction / p->tangential_stiffness * force_rate;
 }
 
-/* The excess of the slip along the spring over the growth of its limit, u.s - mu F'/k_t: where it
- * is no longer positive, the spring sticks. In units of SLIP_UNIT slip floors. */
+/* The slip along the spring less the rate of its stretch limit, u.s - D', in units of SLIP_UNIT
+ * slip floors. Where it is no longer positive, the spring sticks. */
 static inline double slip_guard(const runner *r, int64_t k, const contact *m,
                                 const double *restrict y, const double *restrict dy)
 {
@@ -67,12 +72,12 @@ static inline double slip_guard(const runner *r, int64_t k, const contact *m,
     double slip_along = dot(m->slip, y + history_at(p) + 3 * k);
     double growth = 0.0;
     if (p->tangential_stiffness > 0.0)
-        growth = limit_growth(p, m, dy); /* falls as the force ends: no stick there */
+        growth = limit_growth(p, m, dy); /* negative while the force decreases to 0 */
     return (slip_along - growth) / (SLIP_UNIT * slip_floor(p, m));
 }
 
-/* The guard of that kind of pair k in state y with rates dy, dimensionless; INFINITY if the mode
- * has none of that kind. */
+/* The guard of that kind of pair k in state y with rates dy (head of this file); INFINITY if the
+ * mode has none of that kind. */
 static inline double guard(const runner *r, int64_t k, int kind, const double *restrict y,
                            const double *restrict dy)
 {
@@ -130,7 +135,8 @@ static inline int64_t begin_pressing(const refdem_particles *p, int64_t k, doubl
     double force_floor = 1e-13 * p->stiffness * p->radius[m.i];
     int slides = slip_speed > slip_floor(p, &m);
     if (k_t > 0.0) {
-        /* A slack spring slides at once only if k_t |u| > mu F' = mu k d', at zero force. */
+        /* At zero force the spring force begins as k_t |u| t and its limit as mu k d' t (under
+         * Hertz's law both times sqrt(d)): the spring slides at once if k_t |u| > mu k d'. */
         int is_unloaded = fabs(m.force) <= force_floor;
         slides = is_unloaded && slip_speed * k_t > p->friction * p->stiffness * m.rate;
     }
@@ -204,8 +210,8 @@ static inline int64_t next_mode(const runner *r, int64_t k, int kind, double *re
     return SLIP;
 }
 
-/* The mode of pair k at the start of a run with steps h: it presses if it overlaps, or touches and
- * is not about to part in the direction of time. */
+/* The mode of pair k at the start of a run with steps h: it presses if it overlaps, or if it
+ * touches and the overlap grows in the direction of time, d' h > 0. */
 static inline int64_t first_mode(const refdem_particles *p, int64_t k, double h, double *restrict y)
 {
     contact m = measure(p, k, y);

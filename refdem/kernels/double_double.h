@@ -35,7 +35,7 @@ static inline dd quick_two_sum(double a, double b)
     return (dd){s, b - (s - a)};
 }
 
-/* a b = hi + lo exactly. */
+/* a b = hi + lo exactly, since fma rounds only once. */
 static inline dd two_product(double a, double b)
 {
     double p = a * b;
@@ -61,12 +61,14 @@ static inline dd dd_sub(dd a, dd b)
     return dd_add(a, dd_neg(b));
 }
 
+/* a b without the product of the low parts: a_hi b_hi exactly, + a_hi b_lo + a_lo b_hi. */
 static inline dd dd_mul(dd a, dd b)
 {
     dd p = two_product(a.hi, b.hi);
     return quick_two_sum(p.hi, p.lo + fma(a.hi, b.lo, a.lo * b.hi));
 }
 
+/* a b for a double b: a_hi b exactly, + a_lo b. */
 static inline dd dd_scale(dd a, double b)
 {
     dd p = two_product(a.hi, b);
@@ -91,6 +93,7 @@ static inline dd dd_sqrt(dd a)
     if (a.hi <= 0.0)
         return dd_of(0.0);
     double root = sqrt(a.hi);
+    /* rest = a - r^2, before each of the two steps. */
     dd rest = dd_sub(a, two_product(root, root));
     dd first = quick_two_sum(root, rest.hi / (2.0 * root));
     rest = dd_sub(a, dd_mul(first, first));

@@ -40,6 +40,8 @@ static inline dd complete_third(dd m1, dd p)
     dd b;
     p = dd_sqrt(p);
     b = dd_div(dd_of(1.0), p);
+    /* A step keeps the value of the integral, and kc/m tends to 1. In the limit the value is
+     * (pi/2) (b + a m)/(m (m + p)). */
     for (int i = 0;; i++) {
         dd f = a;
         dd g = dd_div(e, p);
@@ -77,6 +79,8 @@ static inline dd carlson_rf(dd x, dd y, dd z)
         y = dd_scale(dd_add(y, shift), 0.25);
         z = dd_scale(dd_add(z, shift), 0.25);
     }
+    /* X = 1 - x/A and so on for the mean A; e2 = X Y - Z^2, e3 = X Y Z, as X + Y + Z = 0:
+     * R_F = (1 - e2/10 + e3/14 + e2^2/24 - 3 e2 e3/44)/sqrt(A). */
     dx = dd_div(dx, mean);
     dy = dd_div(dy, mean);
     dz = dd_div(dz, mean);
@@ -102,7 +106,7 @@ static inline dd angle_of(dd s, dd c)
     dd acute;
     if (fabs(s.hi) < fabs(c.hi)) {
         acute = dd_mul(dd_abs(s), carlson_rf(dd_square(c), one, one));
-    } else { /* from the right angle, which is nearer */
+    } else { /* closer to a right angle: pi/2 - arcsin |c| */
         dd rest = dd_mul(dd_abs(c), carlson_rf(dd_square(s), one, one));
         acute = dd_sub(dd_scale(DD_PI, 0.5), rest);
     }
@@ -186,6 +190,9 @@ static inline jacobi jacobi_prepare(dd m, dd m1)
     double theta2_0 = 1.0;
     j.square[0] = 1.0;
     j.oblong[0] = 1.0;
+    /* Values at 0, with theta2 in units of 2 nome^(1/4):
+     * theta3 = 1 + 2 sum nome^(n^2), theta4 = 1 + 2 sum (-1)^n nome^(n^2),
+     * theta2 = 1 + sum nome^(n (n + 1)). */
     for (int n = 1; n < TERMS; n++) {
         power *= nome;
         j.square[n] = j.square[n - 1] * odd;
@@ -198,6 +205,8 @@ static inline jacobi jacobi_prepare(dd m, dd m1)
             theta4_0 += 2.0 * j.square[n];
         theta2_0 += j.oblong[n];
     }
+    /* Factors of theta1/theta4, theta2/theta4, theta3/theta4 (DLMF 22.2.4-6); after the imaginary
+     * transformation those of theta1/theta2, theta4/theta2, theta3/theta2. */
     if (j.kind == CIRCULAR) {
         j.sn = theta3_0 / theta2_0;
         j.cn = theta4_0 / theta2_0;
@@ -218,7 +227,7 @@ static inline double cubic(const double *restrict a, double x)
 }
 
 /* sn = sn_0 theta1/theta4, cn = cn_0 theta2/theta4, dn = dn_0 theta3/theta4 at x = pi f
- * (DLMF 22.2.4-6); sn and cn change sign with n, which comes in p->sn. */
+ * (DLMF 22.2.4-6). sn and cn have the sign (-1)^n of the period, which is in p->sn at entry. */
 static inline void circular_series(const jacobi *restrict j, int count, jacobi_points *restrict p)
 {
     for (int k = 0; k < count; k++) {
@@ -313,9 +322,12 @@ static inline dd jacobi_inverse(const jacobi *j, dd sn, dd cn, dd dn)
     dd u;
     if (j->kind == SEPARATRIX)
         return dd_of(copysign(asinh(fabs(sn.hi) / fmax(fabs(cn.hi), dn.hi)), sn.hi));
+    /* The first half of the quarter period ends at sn^2 = 1/(1 + sqrt(m1)). */
     if ((1.0 + kc.hi) * sn.hi * sn.hi <= 1.0) {
         u = dd_mul(dd_abs(sn), carlson_rf(dd_square(cn), dd_square(dn), one));
     } else {
+        /* K - u has the functions sn(K - u) = cn/dn, cn = sqrt(m1) sn/dn, dn = sqrt(m1)/dn
+         * (DLMF, table 22.4.3). */
         dd ratio = dd_div(kc, dn);
         dd s = dd_div(dd_abs(cn), dn);
         u = dd_sub(j->quarter,

@@ -95,26 +95,31 @@ static inline void force_on(int64_t kind, const double *row, double t, const dou
     double d[3], slip[3];
     if (kind == DRIVE) {
         const drive_row *p = (const void *)row;
+        /* F = force cos(frequency t + phase) axis. */
         strength = p->force * cos(p->frequency * t + p->phase);
         direction = p->axis;
     } else if (kind == SPRING) {
         const spring_row *p = (const void *)row;
         double distance = branch(p->anchor, place, d);
-        if (distance > 0) /* a spring of no length has no direction */
+        /* F = -pull(|d| - length) d/|d|; 0 where the ends coincide and d has no direction. */
+        if (distance > 0)
             strength = -spring_pull(p, distance - p->length) / distance;
         direction = d;
     } else if (kind == DASHPOT) {
         const dashpot_row *p = (const void *)row;
         double distance = branch(p->anchor, place, d);
+        /* F = -(damping + van_der_pol |d|^2) (v - rate x d). */
         strength = -(p->damping + p->van_der_pol * distance * distance);
         slip_of(p, d, velocity, slip);
         direction = slip;
     } else if (kind == CENTRAL) {
         const central_row *p = (const void *)row;
         double distance = branch(origin, place, d);
+        /* F = -G M m r/|r|^3. */
         strength = -p->attraction / (distance * distance * distance);
     } else if (kind == PIECEWISE) {
         const piecewise_row *p = (const void *)row;
+        /* F = f(s) axis, s = (r - point).axis. */
         double s = 0.0;
         for (int i = 0; i < 3; i++)
             s += (place[i] - p->point[i]) * p->axis[i];

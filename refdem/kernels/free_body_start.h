@@ -127,8 +127,8 @@ static inline double quartic(const double *restrict a, double x)
 }
 
 /* The direction (x, y) of that theta function in the complex plane at count points, of any length
- * (DLMF 20.2.4; 20.2.2 with 20.7.33); on the separatrix that of 1 + i tan(a/2) tanh(u/2). The first
- * three terms of the circular series are all that binary64 can hold. */
+ * (DLMF 20.2.4; 20.2.2 with 20.7.33); on the separatrix that of 1 + i tan(a/2) tanh(u/2). Of the
+ * circular series three terms suffice: the next one is nome^18 exp(6 s) < nome^15 < 1e-20. */
 static inline void theta_direction(const free_body *restrict b, int count,
                                    const jacobi_points *restrict p, double *restrict x,
                                    double *restrict y)
@@ -140,6 +140,7 @@ static inline void theta_direction(const free_body *restrict b, int count,
         }
     else if (b->j.kind == CIRCULAR)
         for (int k = 0; k < count; k++) {
+            /* cos(2 y) = 2 c^2 - 1 and sin(2 y) = 2 s c for y = 2 pi f, c = cos y, s = sin y. */
             double c = p->first[k];
             double s = p->second[k];
             x[k] = fma(b->rise[0][2], fma(2.0 * c, c, -1.0), fma(b->rise[0][1], c, b->rise[0][0]));
@@ -147,6 +148,7 @@ static inline void theta_direction(const free_body *restrict b, int count,
         }
     else
         for (int k = 0; k < count; k++) {
+            /* sum of rise_n up^n + fall_n down^(n + 1), which is conjugated for f < 0. */
             double down = p->first[k];
             double up = p->second[k];
             x[k] = fma(down, quartic(b->fall[0], down), quartic(b->rise[0], up));
@@ -155,9 +157,9 @@ static inline void theta_direction(const free_body *restrict b, int count,
         }
 }
 
-/* Mean of Psi'/2 = L/(2 J3) + X/(2 L J3) <1/(1 + c dn)>, X = 2 E J3 - L^2. With the amplitudes n1^2
- * = 1 - c^2, n2^2 = 1 - c^2 m1, n3 = c: <1/(1 + c dn)> = (cel(m1, p)/n1^2 - n3 (pi/2)/(n1 n2))/K.
- */
+/* Mean of Psi'/2 = L/(2 J3) + X/(2 L J3) <1/(1 + c dn)>, with X = 2 E J3 - L^2 and the mean <> over
+ * a period of dn. With the amplitudes n1^2 = 1 - c^2, n2^2 = 1 - c^2 m1, n3 = c and p of
+ * prepare_tumbling, <1/(1 + c dn)> = (cel(m1, p)/n1^2 - n3 (pi/2)/(n1 n2))/K. */
 static dd mean_turn(const free_body *b, dd l, dd j3, dd x, dd p, const dd *restrict n)
 {
     dd across = dd_mul(n[0], n[1]);
@@ -341,14 +343,17 @@ static void label(free_body *b, const double *restrict inertia)
     double low = inertia[axis[0]];
     double middle = inertia[axis[1]];
     double high = inertia[axis[2]];
+    /* first = J1 (J2 - J1) w1^2, third = J3 (J3 - J2) w3^2: omega_body circles the axis of the
+     * lowest moment if the first is larger, and that of the highest if the third is. */
     dd first = dd_mul(dd_scale(two_sum(middle, -low), low), dd_square(b->w[axis[0]]));
     dd third = dd_mul(dd_scale(two_sum(high, -middle), high), dd_square(b->w[axis[2]]));
     if (low != middle && (middle == high || dd_sub(first, third).hi > 0.0))
         exchange(&axis[0], &axis[2]);
 }
 
-/* The constants of the motion from attitude and omega (space axes). Steady: about a principal axis,
- * or so close to a stable one that the tilt, 1e-30, is beyond all digits. */
+/* The constants of the motion from attitude and omega (space axes). The rotation is treated as
+ * steady if it is about a principal axis, or if omega is within 1e-30 rad of the stable axis 3,
+ * which is below the rounding of double-double. */
 static void prepare(free_body *b, const double *restrict inertia, const double *restrict attitude,
                     const double *restrict omega)
 {

@@ -92,6 +92,7 @@ static void set_cells(gas *g)
            && most_along < LONGEST)
         most_along++;
     for (int c = 0; c < 3; c++) {
+        /* cells = min(floor(width/reach), most_along), at least 1; `side` is cells a metre. */
         double low = 0.0;
         double width = g->p->size;
         if (!(g->p->size > 0.0)) { /* no box: the extent of all shares */
@@ -352,8 +353,8 @@ static int64_t pair_number(const share *t, int64_t a, int64_t b)
     return -1;
 }
 
-/* Gives the pairs of a new list their contacts of the step before, by number: k + 1, or -(k + 1)
- * where the bodies have changed their order. */
+/* Assigns to the pairs of a new list their contacts of the step before, in `was`: contact k as
+ * k + 1, or as -(k + 1) where the bodies have changed their order. */
 static void find_contacts_again(gas *g, share *t)
 {
     for (int64_t s = 0; s < g->threads; s++) {

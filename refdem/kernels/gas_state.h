@@ -39,7 +39,8 @@ typedef struct {
     int64_t touched;          /* bodies to be kicked, in `marked` */
     int64_t events, crossing; /* contacts begun; contacts with another share's body, in `out` */
     int failed, side;    /* how it has failed; which of the two lists of contacts is the new one */
-    double fastest, way; /* largest speed [m/s]; way of the fastest since the list was made [m] */
+    double fastest, way; /* largest speed [m/s]; |h| times that of all bodies, summed since the
+                            list was made [m] */
     double low[3], high[3]; /* extent of its bodies [m], where there is no box */
     int64_t cells;          /* bodies in its part of the cells */
     int32_t *a, *b;         /* the pairs */
@@ -68,10 +69,10 @@ typedef struct {
     int64_t cells[3];              /* along the edges */
     int64_t samples, stride, most; /* steps a sample; room for events of a thread */
     double h, reach, skin;         /* step [s]; diameter + skin, and skin [m] */
-    double round;                  /* to add and to take away: rounds to the grid */
-    double first_work;             /* of the start [J] */
-    double side[3], low[3];        /* cells a metre; where they begin [m] */
-    double shift[IMAGES][3];       /* of the images of the box [m] */
+    double round;           /* (x + round) - round is x rounded to the grid of velocities (gas.c) */
+    double first_work;      /* of the start [J] */
+    double side[3], low[3]; /* cells a metre; where they begin [m] */
+    double shift[IMAGES][3]; /* of the images of the box [m] */
     columns now, next;
     int32_t *order, *cell;   /* place before of the body now at a place; cell of a body */
     int32_t *gone, *start;   /* place now of the body before at a place; first body of a cell */
@@ -83,7 +84,7 @@ typedef struct {
     share *share;
 } gas;
 
-/* Cells that there is room for. */
+/* Largest number of cells, for which memory is laid out. */
 static inline int64_t most_cells(const refdem_gas *p)
 {
     return 2 * p->bodies + 64;

@@ -1,7 +1,7 @@
 /* Threads that go through one piece of work side by side and wait for each other at barriers.
  *
- * A thread that waits spins for a while, for barriers are microseconds apart, and then lets others
- * have its core.
+ * A waiting thread first polls the barrier, since barriers are microseconds apart, and later yields
+ * its core to other threads.
  */
 #ifndef REFDEM_GAS_TEAM_H
 #define REFDEM_GAS_TEAM_H
@@ -27,8 +27,9 @@ static inline void pause_a_moment(void)
 #endif
 }
 
-/* A barrier: all members are here before any goes on. The last one to arrive lets the others go by
- * a new round; release and acquire make what each wrote before visible to all after it. */
+/* A barrier: returns when all members have called it. The last one to arrive increments `round`,
+ * for which the others wait. Release and acquire order the memory: what a member wrote before the
+ * barrier is visible to all members after it. */
 static void wait_for_all(team *t)
 {
     if (t->members == 1)

@@ -253,8 +253,9 @@ static inline void cross_side(motion *m, grid *g, int32_t i)
     enter_cell(g, i);
 }
 
-/* The cells along an axis that a search covers: the body's own and its neighbours, or with
- * `only_new`, along the axis of the last crossing, only the one that it has made a neighbour. */
+/* The indices `out` of the cells along an axis that a search covers, and their number: the body's
+ * own cell and its two neighbours. With `only_new`, along the axis of the last crossing, it is only
+ * the cell that has become a neighbour by that crossing. */
 static inline int columns(const grid *g, const slot *s, int axis, bool only_new,
                           int32_t *restrict out)
 {

@@ -104,6 +104,7 @@ static inline void estimate(const crowd *k, const neighbours *restrict near, int
             dd = fma(d, d, dd);
             ww = fma(w, w, ww);
         }
+        /* gap = d^2 - R^2, q = b^2 - w^2 gap, s = gap/(-b + sqrt(q)). */
         const double reach = (radius + near->radius[n]) * k->per_length;
         const double gap = fma(-reach, reach, dd);
         const double q = fma(b, b, -ww * gap);
@@ -279,7 +280,8 @@ static inline void count_impact(const refdem_impacts *p, crowd *k, int32_t i)
         k->plan[i].impacts++;
 }
 
-/* The impact of body i with its partner, in the order of their numbers. */
+/* The impact of body i with body j > i, or with a plane (j < 0), at the time now; predicts the next
+ * events of the bodies. Returns RESTS if they come to rest against each other. */
 static int meet(const refdem_impacts *p, crowd *k, int32_t i, int32_t j, double now)
 {
     if (!strike(p, k->m, i, j, now))

@@ -37,6 +37,7 @@ static inline void collide_smooth(const refdem_impacts *p, motion *m, int64_t i,
     memcpy(relative, m->flight[i].velocity, sizeof relative);
     if (j >= 0)
         add_scaled(relative, -1.0, m->flight[j].velocity);
+    /* P = -(1 + e) m_n c n on i, the opposite on j; c = (v_i - v_j).n. */
     const double closing = dot(relative, normal);
     const double along = (1.0 + p->restitution) * closing / ease;
     double impulse[3];

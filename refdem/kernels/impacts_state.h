@@ -17,7 +17,7 @@
 #include "quaternion.h"
 #include "space.h"
 
-/* Partners of an impact: a sphere by its number, plane k as -1 - k. */
+/* Partners of an impact: a sphere by its number, plane k as -1 - k, NOBODY if there is none. */
 enum { NOBODY = INT32_MIN };
 
 /* Bound, relative to the speeds, on a closing speed that is 0 up to the rounding of the velocities
@@ -142,9 +142,12 @@ static inline void branch(const motion *m, const double *restrict ri, const doub
     }
 }
 
-/* Time from now until two spheres meet, or infinity: with d = (r_j - r_i)/R, u = w/|w|, b = d.u,
+/* Time from now until two spheres meet, or infinity. Gravity is the same for both, so that their
+ * relative velocity w is constant: with R = R_i + R_j, d = (r_j - r_i)/R, u = w/|w|, b = d.u,
  *
- *   s = (R/|w|) (|d| - 1) (|d| + 1)/(-b + sqrt(q)),   q = 1 - |d x u|^2   (impacts.c). */
+ *   s = (R/|w|) (|d| - 1) (|d| + 1)/(-b + sqrt(q)),   q = 1 - |d x u|^2   (impacts.c).
+ *
+ * They do not meet if b >= 0 (up to rounding) or q <= 0. */
 static inline double until_spheres(const refdem_impacts *p, const motion *m, int64_t i, int64_t j,
                                    double now)
 {

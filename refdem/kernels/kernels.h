@@ -8,13 +8,18 @@
  *
  * The files name their phases alike, and put them in this order, so that two of them can be laid
  * side by side.
- *   Contacts, from event to event: begin (state and modes of the start), measure (geometry, slip
- * and force of one contact), expand or rates (the motion within the modes), step_size, locate (the
- *   first event within the step), record (samples), accept (the end of the step becomes the state),
- *   change_mode (through the event).
- *   Taylor series: expand, step_size, record, accept.
- *   Steps of fixed size: begin, kick, drift, hold (constraints), finish.
- *   Closed forms: prepare (what the start decides), state_at (one time), run (all samples).
+ *
+ * Contacts, from event to event: begin (state and modes of the start), measure (geometry, slip and
+ * force of one contact), expand or rates (the motion within the modes), step_size, locate (the
+ * first event within the step), record (samples), accept (the end of the step becomes the state),
+ * change_mode (at the event).
+ *
+ * Taylor series: expand, step_size, record, accept.
+ *
+ * Steps of fixed size: begin, kick, drift, hold (constraints), finish.
+ *
+ * Closed forms: prepare (constants of the motion from its start), state_at (one time), run (all
+ * samples).
  */
 #ifndef REFDEM_KERNELS_H
 #define REFDEM_KERNELS_H
@@ -209,7 +214,7 @@ int refdem_rod_taylor(double mass, double length, const double *gravity, const d
  * uniform gravity (2), joined by linear springs; aim (count, 2): sine and cosine of the angles at
  * the start. ends (springs, 2) are numbers of points, the second -1 for the place `fixed` (springs,
  * 2); stiffness [N/m], and length without force `rest` [m]. out (samples, 2 count + springs):
- * angles since the start [rad], rates [rad/s], and room of the kernel's own; row 0 is the start,
+ * angles since the start [rad], rates [rad/s], and work space of the kernel; row 0 is the start,
  * given. Returns 0, or the sample (from 1) that was not reached: a spring that shrinks to nothing
  * has no direction. */
 int refdem_joined_rods(int64_t count, const double *length, const double *mass, const double *aim,
@@ -411,12 +416,12 @@ typedef struct {
     int no_pull;
 } refdem_oblique_pair;
 
-/* start (6): overlap, its rate, the transverse velocity of j from i, 0, the spins about the third
- * axis; touching or pressed. t (samples)
- * >= 0 [s], rising. out (samples, 12): overlap, its rate, transverse velocity, the angle of the
- * line of centres, spins, angles turned, work done against damping and friction (with what the
- * spring holds), whether it presses, the normal force, the work without. release: when it parts
- * [s], or infinity. Errors: a few ulp. Returns the number of samples reached. */
+/* start (6): overlap, its rate, the transverse velocity of j relative to i, 0, and the spins about
+ * the third axis; the spheres touch or overlap. t (samples): rising times, at least 0 [s]. out
+ * (samples, 12): overlap, its rate, transverse velocity, the angle of the line of centres, spins,
+ * angles turned, work done against damping and friction (with the energy of the spring), whether
+ * it presses, the normal force, the work without that energy. release: the time at which the
+ * spheres part [s], or infinity. Errors: a few ulp. Returns the number of samples reached. */
 int64_t refdem_oblique(const refdem_oblique_pair *p, const double *start, int64_t samples,
                        const double *t, double *release, double *out);
 
@@ -502,8 +507,8 @@ int64_t refdem_tumbling_body_run(const refdem_tumbling_body *given, int64_t samp
 /* == gas == */
 
 /* Equal spheres: mass [kg], inertia [kg m^2], diameter [m]; stiffness [N/m], damping [kg/s],
- * tangential_stiffness [N/m], friction [1]; branch: overlaps by which the lever of friction is
- * shorter than the radius; no_pull: the contact ends where it would pull; turning: spins and
+ * tangential_stiffness [N/m], friction [1]; branch: the lever of friction is the radius less
+ * `branch` overlaps; no_pull: the normal force is 0 where it would pull; turning: spins and
  * attitudes are part of the state, as friction > 0 needs. In a cubic periodic box of edge `size`
  * [m], at least 2.5 diameters (0: none), or between `planes` (planes, 6): point [m] and unit
  * normal. most_pairs: room for pairs closer than a diameter and a skin, most_contacts: for those
@@ -515,8 +520,8 @@ typedef struct {
     const double *plane;
 } refdem_gas;
 
-/* Bytes of room that a run by so many threads needs; those for pairs and contacts are touched only
- * as far as there are any. */
+/* Bytes of memory that a run by so many threads needs. Of the part for pairs and contacts only as
+ * much is written as there are any. */
 int64_t refdem_gas_room(const refdem_gas *p, int64_t threads);
 
 /* Velocity Verlet with signed `step` [s], `stride` steps a sample, by 1 to 64 threads: the bits are
@@ -526,8 +531,8 @@ int64_t refdem_gas_room(const refdem_gas *p, int64_t threads);
  * what tangential springs hold. event (threads, most, 2): time since the start [s] and body of each
  * contact that begins, events (threads): how many, also beyond `most`. Momentum is kept exactly
  * while velocities lie on the grid (gas.c), else to round-off. Returns 0; 1 if there was no room
- * for the pairs or contacts, 2 if a thread could not be had, 3 if a body flew farther than 2e9
- * boxes, or to where no number is. */
+ * for the pairs or contacts, 2 if a thread could not be started, 3 if a body moved farther than 2e9
+ * boxes, or if its position is not finite. */
 int64_t refdem_gas_run(const refdem_gas *p, int64_t threads, double step, int64_t samples,
                        int64_t stride, int64_t most, uint8_t *memory, int64_t *events,
                        double *event, double *channel, double *position, double *velocity,

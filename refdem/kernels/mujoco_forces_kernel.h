@@ -22,7 +22,7 @@ typedef struct {
     const double *number;
 } refdem_mujoco_forces;
 
-/* What the callback applies in this thread from now on; NULL for nothing. */
+/* Sets the forces that the callback applies in this thread from now on; NULL for none. */
 void refdem_mujoco_forces_set(const refdem_mujoco_forces *forces);
 
 /* The address of the callback `void (const mjModel *, mjData *)`. */

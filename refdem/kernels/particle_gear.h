@@ -13,7 +13,8 @@
 
 enum { SIDE = 3, NODES = 2 * SIDE + 1, PARTS = 4 };
 
-/* Coefficients p_0 to p_4 of the polynomial through the values at -3 .. 3. */
+/* Coefficients p_i = f^(i)(0)/i!, i = 0 to 4, of the polynomial of degree 6 through the values of f
+ * at -3 .. 3: central differences. */
 static const double THROUGH_NODES[MOST_VALUES - 2][NODES] = {
     {0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0},
     {-1.0 / 60.0, 9.0 / 60.0, -45.0 / 60.0, 0.0, 45.0 / 60.0, -9.0 / 60.0, 1.0 / 60.0},

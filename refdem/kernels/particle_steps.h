@@ -53,7 +53,7 @@ static inline void turn_towards_slip(const contact *m, double stiffness, double 
     if (slip_speed == 0.0)
         return;
     double cosine_before = dot(s, m->slip) / slip_speed;
-    double decay = 0.0; /* a force without a limit to its friction turns the spring at once */
+    double decay = 0.0; /* for mu F = 0: the spring has the direction of the slip at once */
     if (m->limit > 0.0)
         decay = exp(-slip_speed * stiffness * h / m->limit);
     /* tan(a/2) = sqrt((1 - cos a)/(1 + cos a)) at the start, times the decay at the end. */
@@ -301,7 +301,8 @@ static inline double difference(const runner *r, const double *restrict end,
         if (r->mode[k] < STICK)
             continue;
         double scale = fabs(r->way);
-        /* A direction counts as its force does, against a strain F/(k R) of 1e-3. */
+        /* An error e of the direction is one of mu F e of the force: it is compared with
+         * max(1e-3 k R/F, 1), so that it weighs less in a contact of small strain F/(k R). */
         if (r->mode[k] != STICK) {
             contact m = measure(p, k, end);
             double strain = m.force / (p->stiffness * p->radius[m.i]);
@@ -354,7 +355,8 @@ static inline void update_scales(runner *r, const double *restrict y, const doub
 
 /* One step by Aitken-Neville extrapolation in (h/n)^2, n_j = 2 (j + 1),
  *   T(m) = T(m + 1) + (T(m + 1) - T(m))/((n_j/n_m)^2 - 1),
- * until the last two entries agree to 1e-15 of the scales; 0 if ten columns do not get there. */
+ * until the last two entries agree to 1e-15 of the scales; returns 0 if the last of the ten columns
+ * does not reach this. */
 static inline int extrapolated(const runner *r, const double *restrict y, const double *restrict dy,
                                double h, double *restrict out)
 {

@@ -159,8 +159,9 @@ static inline double stretch_limit(const refdem_particles *p, const contact *m)
     return m->limit / p->tangential_stiffness;
 }
 
-/* A speed [m/s] below which slip is rounding and has no direction: 1e-11 R sqrt(k (1/m_i + 1/m_j)),
- * of the radius times the pair's own frequency. */
+/* A speed [m/s] below which slip is rounding and has no direction: 1e-11 R w with the frequency
+ * w = sqrt(k (1/m_i + 1/m_j)) of the pair. Under Hertz's law k has the value of the stiffness
+ * k sqrt(d) at an overlap of 1 m. */
 static inline double slip_floor(const refdem_particles *p, const contact *m)
 {
     double inverse_mass = p->inverse_mass[m->i];
@@ -233,7 +234,7 @@ static inline void tangential_force(const refdem_particles *p, int64_t mode, con
     double tilt_rate = dot(s, m->normal_rate);
     double force_floor = 1e-8 * p->friction * p->stiffness * p->radius[m->i];
     double limit = fmax(m->limit, 0.0);
-    /* k_t/(mu F), but finite where the force vanishes. */
+    /* lean = k_t mu F/((mu F)^2 + f0^2), f0 = 1e-8 mu k R: k_t/(mu F), but finite at F = 0. */
     double lean = k_t * limit / (limit * limit + force_floor * force_floor);
     double slip_across[3], in_plane[3];
     double direction[3] = {s[0], s[1], s[2]};
@@ -253,6 +254,7 @@ static inline void tangential_force(const refdem_particles *p, int64_t mode, con
         /* No direction yet, as after sticking without any pull: no friction. */
         length = fmax(size(direction), 1e-300);
     }
+    /* The part of s in the plane of contact, s - (s.n) n. */
     for (int c = 0; c < 3; c++) {
         in_plane[c] = s[c] - tilt * m->n[c];
         direction[c] /= length;
@@ -389,6 +391,7 @@ static inline void attitude_rates(const refdem_particles *p, const double *restr
 {
     for (int64_t i = 0; i < p->bodies; i++, w += 3, q += 4, dq += 4) {
         double across[3];
+        /* (0, w) (q0, u)/2 = (-w.u, q0 w + w x u)/2. */
         cross(w, q + 1, across);
         dq[0] = -0.5 * dot(w, q + 1);
         for (int c = 0; c < 3; c++)

@@ -4,7 +4,7 @@
 
 #include "double_double.h"
 
-/* q p. */
+/* The product q p: (a, u)(b, v) = (a b - u.v, a v + b u + u x v) (Hamilton 1843). */
 static inline void quaternion_product(const double *restrict q, const double *restrict p,
                                       double *restrict out)
 {
@@ -38,6 +38,7 @@ static inline void quaternion_swing(const double *restrict n, const double *rest
 static inline void quaternion_rotated(const double *restrict q, const double *restrict v,
                                       double *restrict out)
 {
+    /* t = 2 u x v,   out = v + w t + u x t. */
     double tx = 2.0 * (q[2] * v[2] - q[3] * v[1]);
     double ty = 2.0 * (q[3] * v[0] - q[1] * v[2]);
     double tz = 2.0 * (q[1] * v[1] - q[2] * v[0]);

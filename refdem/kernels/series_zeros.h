@@ -3,10 +3,11 @@
  * A series is a(s) = a_0 + a_1 s + .. + a_20 s^20. That an interval (0, w] has no zero is proven
  * by bounds, never by its ends alone:
  *
- *   a(s)  >= a_0 + sum of min(0, a_n w^n) over n >= 1;          above 0 there is no zero;
- *   a'(s) <= a_1 + sum of max(0, n a_n w^(n-1)) over n >= 2;    not above 0 there is at most one.
+ *   a(s)  >= a_0 + sum of min(0, a_n w^n) over n >= 1,
+ *   a'(s) <= a_1 + sum of max(0, n a_n w^(n-1)) over n >= 2.
  *
- * Else the interval is halved.
+ * If the first bound is positive there is no zero. If the second is not positive there is at most
+ * one. Otherwise the interval is halved.
  */
 #ifndef REFDEM_SERIES_ZEROS_H
 #define REFDEM_SERIES_ZEROS_H
@@ -169,7 +170,7 @@ static inline int is_open(bracket *b)
 /* Takes in the value f and the slope at `at`, and chooses the next place. */
 static inline void narrow(bracket *b, double f, double slope)
 {
-    double step = -f / slope;
+    double step = -f / slope; /* Newton's step; infinite for a slope of 0, see zero_between */
     if (f > 0.0)
         b->low = b->at;
     else

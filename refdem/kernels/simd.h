@@ -76,6 +76,8 @@ static inline void sine_cosine_pi(double f, double *restrict s, double *restrict
  */
 static inline double exponential(double x)
 {
+    /* r = x - n ln 2, with ln 2 as the sum of a leading part, n times which is exact, and the rest;
+     * p = exp(r) - 1 = r + r^2/2! + .. + r^13/13!. */
     double n = nearest(x * 1.4426950408889634);
     double r = fma(n, -1.9082149292705877e-10, fma(n, -6.93147180369123816490e-01, x));
     double p, scale;
@@ -108,6 +110,8 @@ typedef struct {
  * has made; `sign` is -1 after an odd number of turns, else 1. */
 static inline double fraction(turns phase, dd time, double *restrict sign)
 {
+    /* rate time + start = (turns_rate + turns_start) + fraction, the whole turns taken off the two
+     * terms separately. */
     dd turned = two_product(phase.rate.hi, time.hi);
     double small_terms = fma(phase.rate.hi, time.lo, fma(phase.rate.lo, time.hi, turned.lo));
     double turns_rate = nearest(turned.hi);

@@ -51,6 +51,7 @@ static inline void sine_cosine(const double *angle, const double *rate, double *
         c[0] = cos(angle[0]);
         return;
     }
+    /* n s_n = sum over k of w_k c_(n-1-k),   n c_n = -sum over k of w_k s_(n-1-k). */
     s[n] = cauchy(rate, c, n - 1) / n;
     c[n] = -cauchy(rate, s, n - 1) / n;
 }

@@ -55,6 +55,7 @@ def box_dimension(points: Array, first: int, last: int) -> tuple[float, float]:
     expected in the least visited one. And coarse boxes are biased: a smooth curve has counts near a
     2^k + b, whose gains differ from 1 until b is small against a 2^k.
     """
+    # D_k = log2 N(k + 1) - log2 N(k); the error of their mean is s/sqrt(n).
     gains = np.diff(np.log2(box_counts(points, range(first, last + 1))))
     error = float(np.std(gains, ddof=1)) / np.sqrt(len(gains))
     return float(np.mean(gains)), float(error)
@@ -110,6 +111,7 @@ def correlation_dimension(points: Array, first: int, last: int) -> tuple[float, 
     counts = correlation_counts(points, range(first, last + 1))
     gains = -np.diff(np.log2(counts))
     spread = float(np.std(gains, ddof=1)) / np.sqrt(len(gains))
+    # log2 C has the counting error 1/(sqrt(C) ln 2).
     of_ends = np.sqrt(1 / counts[0] + 1 / counts[-1]) / np.log(2)
     error = float(np.hypot(spread, of_ends / len(gains)))
     return float(np.mean(gains)), error

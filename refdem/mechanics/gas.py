@@ -47,6 +47,7 @@ def loss_error(restitution: float, n: int, n_collisions: Array) -> Array:
     whose variance is their number times the mean square, 2 ((1 - e^2) T)^2. A colder gas cools more
     slowly, which reduces the scatter; this effect is neglected.
     """
+    # Mean loss (1 - e^2) T of a collision over the energy 3 (n - 1) T/2.
     relative_loss = 2 * (1 - restitution**2) / (3 * (n - 1))
     return np.asarray(relative_loss * np.sqrt(2 * n_collisions))
 
@@ -56,6 +57,7 @@ def velocity_kurtosis(velocity: Array) -> float:
     Maxwell's distribution.
     """
     peculiar = velocity - velocity.mean(axis=0)
+    # <c^4>/<c^2>^2 - 3.
     variance = np.mean(peculiar**2)
     return float(np.mean(peculiar**4) / variance**2 - 3)
 

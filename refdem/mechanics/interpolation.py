@@ -30,6 +30,7 @@ def between_samples(
     members = first[:, None] + np.arange(window)
 
     # Each window is mapped to u in [-1, 1], where Chebyshev polynomials are well conditioned.
+    # u = (t - centre)/half_width.
     centre = (t[members[:, 0]] + t[members[:, -1]]) / 2
     half_width = (t[members[:, -1]] - t[members[:, 0]]) / 2
     u_samples = (t[members] - centre[:, None]) / half_width[:, None]
@@ -37,7 +38,8 @@ def between_samples(
     # Columns: the coefficients of T_0', T_1', ... in Chebyshev polynomials.
     derivative = chebyshev.chebder(np.eye(degree + 1))
 
-    # x(u_j) = x_j and x'(u_j) = half_width v_j determine the coefficients.
+    # The coefficients c of x(u) = sum c_k T_k(u) solve, for each sample j of the window,
+    #     sum c_k T_k(u_j) = x_j,   sum c_k T_k'(u_j) = half_width v_j.
     of_position = chebyshev.chebvander(u_samples, degree)
     of_velocity = chebyshev.chebvander(u_samples, degree - 1) @ derivative
     conditions = np.concatenate([of_position, of_velocity], axis=1)
@@ -46,6 +48,7 @@ def between_samples(
     values = np.concatenate([flat_position, flat_velocity], axis=1)
     coefficients = np.linalg.solve(conditions, values)
 
+    # t = t_n + (t_(n+1) - t_n) (1 + node)/2.
     begin = t[:-1, None]
     times = begin + (t[1:, None] - begin) * (1 + nodes) / 2
     u_nodes = (times - centre[:, None]) / half_width[:, None]

@@ -26,7 +26,7 @@ class MassProperties:
 
     def about(self, point: ArrayLike) -> Array:
         """The inertia tensor (3, 3) about another point (3,) [m], by the parallel axis theorem
-        (1.28).
+        (1.28): J + m (|a|^2 1 - a a^T), a from the centre of mass to the point.
         """
         return self.inertia + _of_point(self.mass, np.asarray(point, float) - self.centre)
 
@@ -38,6 +38,7 @@ class MassProperties:
 
     def __add__(self, other: Self) -> Self:
         """The mass properties of both bodies together."""
+        # M = m_1 + m_2,   C = (m_1 c_1 + m_2 c_2)/M; both tensors are taken about C.
         mass = self.mass + other.mass
         centre = (self.mass * self.centre + other.mass * other.centre) / mass
         return type(self)(mass, centre, self.about(centre) + other.about(centre))
@@ -91,7 +92,7 @@ def of_polyhedron(
     """
     corners = np.asarray(vertices, float)
     origin = corners.mean(axis=0)
-    # Each face as a fan of triangles: its first corner with every side that does not touch it.
+    # Each face as a fan of triangles: its first corner with every side that does not contain it.
     triangles: list[tuple[int, int, int]] = []
     for face in faces:
         triangles += [(face[0], face[i], face[i + 1]) for i in range(1, len(face) - 1)]
@@ -104,6 +105,7 @@ def of_polyhedron(
     total = float(np.sum(mass))
     s = p + q + r
     centre = mass @ s / (4 * total)
+    # M = sum m (p p^T + q q^T + r r^T + s s^T)/20 about the origin; - m c c^T about the centre.
     second_moment = sum(np.einsum("i,ij,ik->jk", mass, a, a) for a in (p, q, r, s)) / 20
     return MassProperties(
         total, origin + centre, _tensor(second_moment - total * np.outer(centre, centre))
@@ -136,6 +138,7 @@ def of_polygon(vertices: ArrayLike, density: float) -> MassProperties:
     total = float(np.sum(mass))
     s = p + q
     centre = mass @ s / (3 * total)
+    # M = sum m (p p^T + q q^T + s s^T)/12 about the origin; - m c c^T about the centre.
     second_moment = sum(np.einsum("i,ij,ik->jk", mass, a, a) for a in (p, q, s)) / 12
     centred_moment = np.zeros((3, 3))
     centred_moment[:2, :2] = second_moment - total * np.outer(centre, centre)

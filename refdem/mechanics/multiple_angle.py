@@ -14,6 +14,7 @@ def cosine_by_recurrence(angle: float, multiple: int) -> float:
     # cos(k angle) and cos((k - 1) angle), from k = 0 on.
     current = 1.0
     previous = cosine
+    # cos((k + 1) a) = 2 cos(a) cos(k a) - cos((k - 1) a).
     for _ in range(multiple):
         current, previous = 2 * cosine * current - previous, current
     return current
@@ -33,7 +34,7 @@ def cosine_by_powers(angle: float, multiple: int) -> float:
 
 
 def cosine_product(a: float, b: float) -> float:
-    """The product cos(a) cos(b) for angles [rad], which the square of the sum of two drives has."""
+    """The product cos(a) cos(b) for angles [rad], a term of (cos(a) + cos(b))^2."""
     return math.cos(a) * math.cos(b)
 
 

@@ -20,7 +20,7 @@ Pairs = tuple[Whole, Whole]
 FEW = 32
 """Number of points up to which all pairs are tested."""
 CHUNK = 20_000
-"""Points whose neighbours are tested at once: the arrays that this takes stay in a cache."""
+"""Points whose neighbours are tested at once, so few that the arrays fit into a cache."""
 ROWS = [(y, z) for z, y in product((-1, 0, 1), repeat=2)]
 """Rows of cells around a point's cell, as offsets in (y, z)."""
 UPPER = [(y, z) for y, z in ROWS if (z, y) >= (0, 0)]
@@ -47,9 +47,10 @@ def near_pairs(
 
 
 def _near(position: Array, i: Whole, j: Whole, reach: float, size: float) -> Pairs:
-    """The pairs of candidates that are within reach of each other."""
+    """The pairs of candidates with |r_j - r_i| < reach, to the nearest image."""
     branch = position[j] - position[i]
     if size:
+        # The nearest image: d - size round(d/size).
         branch -= size * np.rint(branch / size)
     is_near = np.einsum("pk,pk->p", branch, branch) < reach * reach
     return i[is_near], j[is_near]
@@ -68,7 +69,8 @@ def _candidates(position: Array, reach: float, size: float, among: Whole | None)
     # At most about two cells per point in all, so that empty cells cost little.
     most_cells = max(1, int(np.ceil((2 * count) ** (1 / 3))))
     cells = np.clip((extent / reach).astype(int), 1, most_cells)
-    # With fewer than 3 cells in a period a pair would be found on both sides.
+    # With fewer than 3 cells in a period the neighbours on both sides are the same cell, and a pair
+    # would be found twice.
     if count <= FEW or (size and cells.min() < 3):
         yield _all_pairs(count, among)
         return

@@ -37,12 +37,14 @@ def turning_points(t: Array, x: Array, v: Array) -> tuple[Array, Array]:
 def amplitude(t: Array, x: Array, v: Array) -> float:
     """Half the distance between the last two turning points."""
     _, places = turning_points(t, x, v)
+    # |x_M - x_(M-1)|/2.
     return float(abs(places[-1] - places[-2]) / 2)
 
 
 def period(t: Array, x: Array, v: Array) -> float:
     """Mean time [s] between every second turning point."""
     times, _ = turning_points(t, x, v)
+    # (t_2n - t_0)/n for n whole periods.
     count = (len(times) - 1) // 2
     return float((times[2 * count] - times[0]) / count)
 

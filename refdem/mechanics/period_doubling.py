@@ -50,8 +50,8 @@ def doubling_point(doublings: int) -> float:
 
 
 def _cycle(w: float, c: float, period: int, multiplier: float) -> tuple[float, float]:
-    """The iterate w and the parameter c near the given ones at which the cycle has the multiplier,
-    by Newton's method.
+    """The iterate w and the parameter c near the given ones at which the cycle has the multiplier:
+    Newton's method for f^p(w) = w, (f^p)'(w) = multiplier.
     """
     for _ in range(8):
         residual, derivatives = _residual(w, c, period, multiplier)

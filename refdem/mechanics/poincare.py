@@ -38,6 +38,7 @@ def exponent(growth: Array, seconds: Array) -> Exponent:
     that does not grow in the mean may still differ by a factor e between begin and end.
     """
     blocks = growth.shape[1]
+    # Rate of a block: its growth over its duration seconds/B.
     rates = growth * (blocks / seconds[:, None])
     spread = rates.std(axis=1, ddof=1) / np.sqrt(blocks)
     return Exponent(rates.mean(axis=1), np.maximum(spread, 1.0 / seconds))
@@ -55,7 +56,7 @@ def section(t: Array, x: Array, v: Array, level: float = 0.0) -> tuple[Array, Ar
     h = t[index + 1] - t[index]
     v_before = v[index]
     v_after = v[index + 1]
-    # v_before + s (v_after - v_before) = level.
+    # Linear in s = (t - t_0)/h: v_before + s (v_after - v_before) = level.
     s = (level - v_before) / (v_after - v_before)
     # Hermite's cubic: x = x0 (1 + 2 s)(1 - s)^2 + x1 s^2 (3 - 2 s) + h s (1 - s)((1 - s) v0 - s
     # v1).

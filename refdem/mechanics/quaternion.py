@@ -45,6 +45,7 @@ def angle_between(p: Array, q: Array) -> Array:
     It is 2 atan2(|vector part|, |scalar part|) of p q*, which is accurate for small angles, where
     arccos is not.
     """
+    # p q* = +-(cos(a/2), n sin(a/2)).
     relative = product(p, conjugate(q))
     sine = np.linalg.norm(relative[..., 1:], axis=-1)
     cosine = np.abs(relative[..., 0])

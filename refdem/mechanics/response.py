@@ -40,6 +40,7 @@ def linear_peak(square: float, delta: float, f0: float) -> tuple[float, float]:
     """Frequency sqrt(w0^2 - 2 delta^2) and height f0/(2 delta sqrt(w0^2 - delta^2)) of the
     resonance peak, for 2 delta^2 < w0^2 (1.106).
     """
+    # d/dw of the radicand of (1.105) is 0 at w^2 = w0^2 - 2 delta^2.
     frequency = float(np.sqrt(square - 2 * delta**2))
     height = float(f0 / (2 * delta * np.sqrt(square - delta**2)))
     return frequency, height
@@ -61,7 +62,7 @@ def balanced_drives(
 
     W^2 = k - 2 delta^2 -+ sqrt(f0^2/A^2 - 4 delta^2 (k - delta^2)), with k = alpha + 3 beta A^2/4.
     """
-    # k = alpha + 3 beta A^2/4 is the effective stiffness at the amplitude A.
+    # k = alpha + 3 beta A^2/4, the square of the free frequency at the amplitude A.
     k = alpha + 0.75 * beta * amplitude**2
     # (k - W^2)^2 + 4 delta^2 W^2 = f0^2/A^2 is a quadratic equation in W^2.
     discriminant = (f0 / amplitude) ** 2 - 4 * delta**2 * (k - delta**2)
@@ -87,7 +88,8 @@ def balanced_amplitude(drive: float, alpha: float, beta: float, delta: float, f0
         """S ((g + h S)^2 + d) - f0^2."""
         return s * ((g + h * s) * (g + h * s) + d) - f0 * f0
 
-    # The derivative of the cubic vanishes at S = (-2 g +- sqrt(g^2 - 3 d))/(3 h).
+    # The derivative 3 h^2 S^2 + 4 g h S + g^2 + d of the cubic is 0 at
+    # S = (-2 g +- sqrt(g^2 - 3 d))/(3 h).
     root = float(np.sqrt(max(0.0, g**2 - 3 * d)))
     last_turning = max(0.0, (-2 * g + root) / (3 * h), (-2 * g - root) / (3 * h))
     if excess(last_turning) <= 0:

@@ -17,7 +17,8 @@ def about_axis(axis: int, angle: float) -> Array:
     from the tip of the axis.
     """
     turn = np.eye(3)
-    # i and j are the other two axes, so that (axis, i, j) is right-handed.
+    # i and j are the other two axes, with (axis, i, j) right-handed: R_ii = R_jj = cos(angle),
+    # R_ji = -R_ij = sin(angle).
     i = (axis + 1) % 3
     j = (axis + 2) % 3
     turn[i, i] = np.cos(angle)
@@ -72,7 +73,8 @@ def matrix_of_euler(phi: float, theta: float, psi: float) -> Array:
 
 def quaternion_of_euler(phi: float, theta: float, psi: float) -> Array:
     """The unit quaternion (4,) of Euler angles z-x-z (1.76) to (1.79); its w may be negative."""
-    # The product of the quaternions of Rz(phi), Rx(theta) and Rz(psi).
+    # (cos(phi/2), 0, 0, sin(phi/2)) (cos(theta/2), sin(theta/2), 0, 0) (cos(psi/2), 0, 0,
+    # sin(psi/2)), with the sums of products as cosines and sines of (phi +- psi)/2.
     c = np.cos(theta / 2)
     s = np.sin(theta / 2)
     half_sum = (phi + psi) / 2
@@ -88,6 +90,8 @@ def euler_of_matrix(turn: Array) -> Array:
     """Euler angles phi, theta, psi (3,) [rad], theta in [0, pi], of a rotation matrix; psi is 0
     where sin theta = 0.
     """
+    # R = Rz(phi) Rx(theta) Rz(psi) has the third column (sin phi sin theta, -cos phi sin theta,
+    # cos theta) and the third row (sin theta sin psi, sin theta cos psi, cos theta).
     sine = np.hypot(turn[0, 2], turn[1, 2])
     theta = np.arctan2(sine, turn[2, 2])
     if sine == 0:

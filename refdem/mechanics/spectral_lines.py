@@ -22,7 +22,7 @@ SAME = 1e-9
 REPRODUCED = 1e-6
 """Largest error with which a map reproduces the amplitudes of lines that it can distinguish."""
 FARTHEST = 0.1
-"""Largest relative shift of the frequency of a cycle by a drive that is searched."""
+"""Largest shift of the frequency of a cycle by a drive that is searched, relative to it."""
 GOLDEN = (5**0.5 - 1) / 2
 """Ratio of the lengths of an interval after and before a golden section."""
 GOLDEN_SECTIONS = 30
@@ -85,17 +85,19 @@ def _name(given: Sequence[int], names: Sequence[str] = ()) -> str:
 
 def free_motions(t: Array, square: float, delta: float) -> Array:
     """Two independent motions (2, T) of x'' + 2 delta x' + w0^2 x = 0 at t (T,) [s], `square` being
-    w0^2; the larger of them is of size 1.
+    w0^2; the larger of them is 1 at the start.
     """
     since = t - t[0]
     discriminant = delta**2 - square
     if discriminant < 0:
+        # exp(-delta t) cos(w t) and exp(-delta t) sin(w t) with w^2 = w0^2 - delta^2.
         decay = np.exp(-delta * since)
         phase = np.sqrt(-discriminant) * since
         return np.stack([decay * np.cos(phase), decay * np.sin(phase)])
     # Both roots are real: -delta +- sqrt(delta^2 - w0^2), or -delta twice.
     gap = float(np.sqrt(discriminant))
     if gap == 0:
+        # exp(-delta t) and delta t exp(-delta t).
         decay = np.exp(-delta * since)
         return np.stack([decay, delta * since * decay])
     return np.stack([np.exp((gap - delta) * since), np.exp(-(gap + delta) * since)])
@@ -121,6 +123,7 @@ def line_map(t: Array, lines: Sequence[Line], others: Array) -> Complex | None:
     given_back = rows @ fitted.T
     if np.max(np.abs(given_back - np.eye(count, len(fitted)))) > REPRODUCED:
         return None
+    # c = a - i b, so that Re(c exp(i w t)) = a cos(w t) + b sin(w t).
     complex_rows = []
     at = 0
     for _, w in lines:

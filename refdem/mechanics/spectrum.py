@@ -34,6 +34,7 @@ def spectrum(t: Array, x: Array) -> tuple[Array, Array]:
     cos(w t) gives a peak of height a.
     """
     count = len(t)
+    # a_k = 2 |sum window x exp(-i w_k t)|/count, without the factor 2 at w = 0.
     amplitude = 2 * np.abs(np.fft.rfft(hann(count) * x)) / count
     amplitude[0] /= 2
     frequency = 2 * np.pi * np.fft.rfftfreq(count, t[1] - t[0])

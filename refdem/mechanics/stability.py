@@ -52,6 +52,7 @@ def growth(t: Array, separation: Array) -> Growth:
     log_at_block_ends = np.interp(np.linspace(0.0, since[-1], BLOCKS + 1), since, logarithm)
     # The exponent of each block; their mean is the exponent, their scatter its error.
     rates = np.diff(log_at_block_ends) * BLOCKS / since[-1]
+    # p = log2(d(T)/d(T/2)).
     log_at_half = float(np.interp(since[-1] / 2, since, logarithm))
     over_second_half = float(logarithm[-1]) - log_at_half
     return Growth(

@@ -38,7 +38,7 @@ def dot(a: Vector, b: Vector) -> Number:
 
 
 def rejection(a: Vector, b: Vector) -> Vector:
-    """The component a - (a . b) b/|b|^2 of a vector a perpendicular to a vector b != 0."""
+    """The component a - (a . b) b/|b|^2 of a vector a that is perpendicular to b != 0."""
     length = hypot(*b)
     direction = times(1 / length, b)
     return moved(a, -dot(a, direction), direction)
@@ -110,6 +110,7 @@ def turn_by(angles: Vector) -> Quaternion:
     angle = size(angles)
     if not angle > 0:
         return 1.0, 0.0, 0.0, 0.0
+    # sin(a/2)/a, the factor of `angles` in the vector part.
     half = sin(angle / 2) / angle
     return cos(angle / 2), half * angles[0], half * angles[1], half * angles[2]
 

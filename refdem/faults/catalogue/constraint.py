@@ -22,7 +22,7 @@ FORCE = ("error", "rod_force")
 
 
 def _loose(tolerance: float) -> Inside:
-    """A rod's multiplier that does nothing once the rod is right to a relative tolerance."""
+    """A rod's multiplier that is 0 once the squared length is right to a relative tolerance."""
 
     def inside(sound: Parts) -> dict[str, Any]:
         def rod_position(rod: Any, branch: Any, along: Any, inverse_mass: Any) -> Any:
@@ -38,7 +38,7 @@ def _loose(tolerance: float) -> Inside:
 
 
 def _tension_per_mass(sound: Parts) -> dict[str, Any]:
-    """The rod's force is multiplied by its inverse mass, once more divided by 1.5 kg."""
+    """The rod's force times its inverse mass over 1.5: an acceleration in place of a force."""
 
     def rod_tension(rod: Any, branch: Any, relative: Any, pull: Any, inverse_mass: Any) -> Any:
         tension = sound.rod_tension(rod, branch, relative, pull, inverse_mass)

@@ -28,7 +28,7 @@ def _late_damping(sound: Parts) -> dict[str, Any]:
         if before is None:
             return sound.loads(world, state, parts)
         old = state.copy()
-        # v - h F/m, with the forces of the step's start.
+        # v(t - h) = v - h F/m to first order, with the forces of the start of the step.
         for i, force in enumerate(before.force):
             old.v[i] = vec.moved(state.v[i], -h / world.mass[i], force)
         return sound.loads(world, old, parts, before, h)
@@ -37,13 +37,14 @@ def _late_damping(sound: Parts) -> dict[str, Any]:
 
 
 def _old_normal(sound: Parts) -> dict[str, Any]:
-    """The direction between two spheres is that of the step before, their distance the present
-    one.
+    """The direction between two spheres is that of the step before, and their distance that of this
+    step.
     """
     way_back = vec.ZERO
 
     def loads(world: Any, state: Any, parts: Parts, before: Any = None, h: Any = 0.0) -> Any:
         nonlocal way_back
+        # r(t - h) = r - h (v_1 - v_0) to first order, with r = r_1 - r_0.
         way_back = vec.times(-h, vec.minus(state.v[1], state.v[0]))
         loads_now = sound.loads(world, state, parts, before, h)
         way_back = vec.ZERO
@@ -52,13 +53,16 @@ def _old_normal(sound: Parts) -> dict[str, Any]:
     def away(a: Any, b: Any) -> Any:
         branch = sound.away(a, b)
         old_branch = vec.plus(branch, way_back)
+        # |r| r_old/|r_old|.
         return vec.times(vec.size(branch) / vec.size(old_branch), old_branch)
 
     return {"loads": loads, "away": away}
 
 
 def _hertz(law: Any, depth: Any, rate: Any) -> Any:
-    """Force with d^(3/2): the nonlinear law for the linear one."""
+    """F = 4 k d^(3/2) + c d' in place of k d + c d'; with the factor 4 m^(-1/2) both laws agree at
+    the overlap d = 1/16 m.
+    """
     return law.stiffness * 4 * max(depth, 0.0) ** 1.5 + law.damping * rate
 
 

@@ -13,12 +13,12 @@ drag = partial(Fault, kind="drag", sees=("error", "v"))
 
 
 def _linear(fluid: Any, t: Any, d: Any, relative: Any) -> Any:
-    """Drag in proportion to the velocity, right at 1 m/s."""
+    """Drag F = -c w in place of -c |w| w: the same at a speed of 1 m/s."""
     return vec.times(-fluid.coefficient, relative)
 
 
 def _three_halves(fluid: Any, t: Any, d: Any, relative: Any) -> Any:
-    """Drag as the power 3/2 of the velocity, right at 1 m/s."""
+    """Drag F = -c |w|^(1/2) w in place of -c |w| w: the same at a speed of 1 m/s."""
     speed = vec.size(relative)
     return vec.times(-fluid.coefficient * sqrt(speed), relative)
 

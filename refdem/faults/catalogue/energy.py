@@ -15,7 +15,7 @@ energy = partial(Fault, kind="energy", on=("oscillator",))
 
 
 def _damped(rate: float) -> Inside:
-    """Velocities decay at a rate [1/s]."""
+    """Velocities decay at a `rate` [1/s]: each kick by h is followed by v <- (1 - rate |h|) v."""
 
     def inside(sound: Parts) -> dict[str, Any]:
         def kicked(v: Any, force: Any, mass: Any, h: Any) -> Any:
@@ -45,12 +45,12 @@ def _softened(length: float) -> Inside:
 
 
 def _too_heavy(field: Any, t: Any, mass: Any, r: Any, v: Any) -> Any:
-    """The weight of a quarter of a kilogram more."""
+    """The weight F = (m + 1/4 kg) g: that of a quarter of a kilogram more."""
     return vec.times(0.25 + mass, field.g)
 
 
 def _hardening(sound: Any) -> Any:
-    """The spring is stiffer by 1 % at 1 m from the origin, in proportion to r^2."""
+    """The force times 1 + 0.01 |d|^2: the spring is 1 % stiffer at the distance 1 m of its ends."""
 
     def force(spring: Any, t: Any, d: Any, w: Any) -> Any:
         return vec.times(1 + 0.01 * vec.dot(d, d), sound(spring, t, d, w))
@@ -59,7 +59,7 @@ def _hardening(sound: Any) -> Any:
 
 
 def _swirling(sound: Any) -> Any:
-    """The spring also pushes across the radius, about z."""
+    """The spring also pushes across the radius, by 1e-3 e_z x d, a force without a potential."""
 
     def force(spring: Any, t: Any, d: Any, w: Any) -> Any:
         across = (-d[1], d[0], 0.0)
@@ -69,7 +69,7 @@ def _swirling(sound: Any) -> Any:
 
 
 def _clamped(v: Any) -> Any:
-    """Velocities are cut off at 1/2 m/s."""
+    """The velocity with each component limited to 1/2 m/s."""
     return tuple(min(0.5, max(-0.5, x)) for x in v)
 
 
@@ -85,7 +85,7 @@ def _one_sided(sound: Any) -> Any:
 
 
 def _softer_wall(sound: Parts) -> dict[str, Any]:
-    """A wall, which has no radius, is overlapped less than spheres are."""
+    """The overlap with a wall, which has no radius b, is reduced by a thousandth."""
 
     def overlap(a: Any, b: Any, distance: Any) -> Any:
         depth = sound.overlap(a, b, distance)
@@ -97,7 +97,7 @@ def _softer_wall(sound: Parts) -> dict[str, Any]:
 
 
 def _dragged(sound: Any) -> Any:
-    """A little drag, from the way since the last evaluation."""
+    """A weak drag -1e-3 (d - d_before), from the displacement since the last evaluation."""
     place_before: Any = None
 
     def force(spring: Any, t: Any, d: Any, w: Any) -> Any:

@@ -44,7 +44,7 @@ def _at_next_sample(event: Event, request: Request, run: Trajectory) -> Event:
 
 
 def _stick_for_slip(event: Event, request: Request, run: Trajectory) -> Event:
-    """A stick in place of a slip, and a slip in place of a stick."""
+    """The event with its kind exchanged: a stick for a slip, a slip for a stick."""
     other = {"stick": "slip", "slip": "stick"}
     return msgspec.structs.replace(event, kind=other[event.kind])
 
@@ -55,13 +55,13 @@ def _of_third_body(event: Event, request: Request, run: Trajectory) -> Event:
 
 
 def _chattering(request: Request, run: Trajectory) -> Trajectory:
-    """Every event is reported at half of its time, too."""
+    """Every event is reported twice: at half of its time, and at its time."""
     early = tuple(msgspec.structs.replace(event, time=event.time / 2) for event in run.events)
     return replace(run, events=(*early, *run.events))
 
 
 def _first_twice(request: Request, run: Trajectory) -> Trajectory:
-    """The first event is reported once more a step later."""
+    """The first event is reported a second time, one step later."""
     again = tuple(_step_late(event, request, run) for event in run.events[:1])
     return replace(run, events=(*run.events, *again))
 
@@ -69,7 +69,9 @@ def _first_twice(request: Request, run: Trajectory) -> Trajectory:
 def _where_force_turns(event: Event, request: Request, run: Trajectory) -> Event:
     """The contact ends where its force k d + c d' is 0, as if it never pulled.
 
-    That is after 2 acos(b/w0)/w, with b = c/(2 m) and w^2 = w0^2 - b^2.
+    For a contact that begins at t = 0 the overlap is proportional to exp(-b t) sin(w t), with
+    b = c/(2 m), w0^2 = k/m and w^2 = w0^2 - b^2, m being the effective mass. The force is 0 where
+    tan(w t) = -2 b w/(w0^2 - 2 b^2), that is at t = 2 acos(b/w0)/w.
     """
     scene = request.problem.scene
     law = scene.all(Contact)[0]

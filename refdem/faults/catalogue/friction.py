@@ -23,12 +23,14 @@ def _slip(parts: Parts, slider: Slider, velocity: Any) -> Any:
 
 
 def _regularised(sound: Parts) -> dict[str, Any]:
-    """Friction fades with the speed, as sgn(0) = 0 wants: what should stick creeps."""
+    """Friction decreases to 0 with the speed, as if sgn(0) were 0: what should stick creeps."""
     return regularised(sound, _slip, lambda slider, u: slider.friction, counts_work=True)
 
 
 def _transported(sound: Parts) -> dict[str, Any]:
-    """What friction holds moves along x at v = 0: transport along that line of phase space."""
+    """A body at rest still drifts along x, by ALONG_THE_LINE h: transport along the line v = 0 of
+    phase space.
+    """
 
     def drifted(r: Any, v: Any, h: Any) -> Any:
         if any(v):
@@ -61,6 +63,7 @@ def _previous_normal(sound: Parts) -> dict[str, Any]:
         return sound.loads(world, state, parts, before, h)
 
     def normal_force(law: Any, depth: Any, rate: Any) -> Any:
+        # d(t - h) = d - h d' to first order.
         kept["before"] = sound.normal_force(law, depth - kept["h"] * rate, rate)
         return sound.normal_force(law, depth, rate)
 

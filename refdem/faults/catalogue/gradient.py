@@ -27,7 +27,9 @@ SMOOTH = ("differentiated-oscillator",)
 BOUNCING = ("differentiated-drop", "differentiated-wall")
 
 TOO_CLOSE = 2.0**-46
-"""Part of a number over which differences of two runs have hardly a digit left."""
+"""Relative displacement of a number for central differences: so small that rounding leaves them
+hardly a correct digit.
+"""
 
 
 def of_derivatives(
@@ -61,7 +63,7 @@ def of_column(name: str, change: Callable[[Array], Array]) -> Callable[[Derivati
 
 
 def _of_other_column(one: str, other: str) -> Callable[[Derivatives], Derivatives]:
-    """The derivatives with those by two numbers told for each other."""
+    """The derivatives by two numbers exchanged: each is reported as that of the other."""
 
     def changed(derivatives: Derivatives) -> Derivatives:
         return derivatives | {one: derivatives[other], other: derivatives[one]}
@@ -91,6 +93,7 @@ def in_body_axes(request: Request, run: Trajectory) -> Trajectory:
     to_body = conjugate(run.attitude)
     derivatives = {}
     for key, slopes in run.derivatives.items():
+        # q* dr/ds q and q* dv/ds q.
         turned = np.array(slopes)
         turned[..., 0:3] = rotated(to_body, slopes[..., 0:3])
         turned[..., 3:6] = rotated(to_body, slopes[..., 3:6])
@@ -99,7 +102,9 @@ def in_body_axes(request: Request, run: Trajectory) -> Trajectory:
 
 
 def by_differences(request: Request, run: Trajectory) -> Trajectory:
-    """Differences of two runs over TOO_CLOSE of each number in place of its derivatives."""
+    """Central differences (x(s + d) - x(s - d))/(2 d) in place of the derivatives by each number s,
+    with d = TOO_CLOSE |s|, or TOO_CLOSE where s is 0.
+    """
     derivatives = {}
     for key in request.sensitivities:
         document = msgspec.json.decode(request.problem.scene.to_json())
@@ -127,17 +132,17 @@ def _index(word: str) -> Any:
 
 
 def _plain_time(time: Any) -> float:
-    """The time to an impact without its slopes."""
+    """The time to an impact without its derivatives, as if it were a constant."""
     return value_of(time)
 
 
 def _plain_rest(left: Any, time: Any) -> Any:
-    """What is left of a step, as if no impact time had slopes."""
+    """The rest of a step after an impact, as if the time of the impact had no derivatives."""
     return left - value_of(time)
 
 
 def _told_before(before: Any, after: Any) -> Any:
-    """The state before the last step."""
+    """The state before the last step, in place of the state after it."""
     return before
 
 

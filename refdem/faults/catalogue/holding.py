@@ -33,7 +33,7 @@ holding = partial(within, "holding")
 
 
 def _spun_by_weight(sound: HoldingParts) -> dict[str, Any]:
-    """A twentieth of the weight acts as a torque about the arm."""
+    """The torque arm x F with 0.05 |F| arm added: a torque about the top's own axis."""
 
     def tip_torque(arm: Any, force: Any) -> Any:
         return vec.moved(sound.tip_torque(arm, force), 0.05 * vec.size(force), arm)

@@ -53,17 +53,19 @@ def _friction_without_restitution(law: Any, inverse_mass: Any, slip: Any, pressi
 
 
 def _unlimited(law: Any, inverse_mass: Any, slip: Any, pressing: Any) -> Any:
-    """The slip is stopped, whatever the friction."""
+    """The impulse -(1 + b) m_t s that reverses the part b of the slip s, without a limit by
+    friction.
+    """
     return vec.times(-(1 + law.slip_restitution) / inverse_mass, slip)
 
 
 def _always_cut(law: Any, inverse_mass: Any, slip: Any, pressing: Any) -> Any:
-    """Friction of full size, also where less of it stops the slip."""
+    """The impulse -mu P_n s/|s|: friction of full size, also where a smaller one stops the slip."""
     return vec.times(-law.friction * pressing / vec.size(slip), slip)
 
 
 def _second_turns_back(sound: Parts) -> dict[str, Any]:
-    """Every second spin that changes does so the other way."""
+    """The torque on every second sphere, R n x P, has the wrong sign."""
     is_first = cycle((True, False))
 
     def torque_on(arm: Any, normal: Any, force: Any) -> Any:
@@ -94,7 +96,9 @@ def _elastic_after_the_first(sound: Parts) -> dict[str, Any]:
 
 
 def _pairs_met_once(sound: Parts) -> dict[str, Any]:
-    """A pair that has met is not looked at again; masses that differ tell pairs apart."""
+    """A second impact of the same pair is ignored; pairs are distinguished by their inverse
+    effective masses, which differ.
+    """
     met: set[float] = set()
 
     def normal_impulse(law: Any, inverse_mass: Any, closing: Any) -> Any:
@@ -107,7 +111,7 @@ def _pairs_met_once(sound: Parts) -> dict[str, Any]:
 
 
 def _velocity_before_the_kick(sound: Parts) -> dict[str, Any]:
-    """The closing speed of a fall leaves out the last kick of gravity in the step."""
+    """The closing speed without the g h that the last kick of gravity in the step has added."""
     gained = 0.0
 
     def kicked(v: Any, force: Any, mass: Any, h: Any) -> Any:
@@ -119,7 +123,7 @@ def _velocity_before_the_kick(sound: Parts) -> dict[str, Any]:
         return sound.kicked(v, force, mass, h)
 
     def normal_impulse(law: Any, inverse_mass: Any, closing: Any) -> Any:
-        # Not less than half: a step as long as the flight would pull it back.
+        # At least half of the closing speed: in a step as long as the flight, g h may exceed it.
         too_slow = max(closing - gained, closing / 2)
         return impacts.normal_impulse(law, inverse_mass, too_slow)
 
@@ -132,7 +136,7 @@ def _friction_from_weight(law: Any, inverse_mass: Any, slip: Any, pressing: Any)
 
 
 def _resting_below(threshold: float) -> Callable[..., Any]:
-    """A normal impulse that gives nothing back below a closing speed [m/s]."""
+    """A normal impulse with restitution 0 below a closing speed `threshold` [m/s]."""
 
     def normal_impulse(law: Any, inverse_mass: Any, closing: Any) -> Any:
         if closing < threshold:
@@ -161,19 +165,19 @@ def _turned_a_little(away: Any) -> Any:
 
 
 def _none_if_slow(law: Any, inverse_mass: Any, closing: Any) -> Any:
-    """Nothing happens below 3/5 m/s."""
+    """A normal impulse that is 0 below a closing speed of 3/5 m/s."""
     if closing < 0.6:
         return 0.0
     return impacts.normal_impulse(law, inverse_mass, closing)
 
 
 def _given_back_but_little(law: Any, inverse_mass: Any, closing: Any) -> Any:
-    """Spheres part a billionth slower than they came, whatever the restitution."""
+    """A normal impulse with the restitution reduced by 1e-9."""
     return (1 + law.restitution - 1e-9) * closing / inverse_mass
 
 
 def _thin_air(request: Request, run: Trajectory) -> Trajectory:
-    """Velocities lose 1e-8 of themselves in every second."""
+    """Velocities decay as exp(-1e-8 t), t [s] from the start."""
     fade = np.exp(-1e-8 * (run.t - run.t[0]))
     return replace(run, velocity=run.velocity * fade[:, None, None])
 

@@ -48,7 +48,7 @@ def _first_kick_twice(sound: Parts) -> dict[str, Any]:
 
 
 def _old_velocity(sound: Parts) -> dict[str, Any]:
-    """The drift goes with the velocity that the step before drifted with."""
+    """The drift x + h v with the velocity v of the drift in the step before."""
     previous = Late(lambda v: v)
 
     def drifted(r: Any, v: Any, h: Any) -> Any:
@@ -58,7 +58,7 @@ def _old_velocity(sound: Parts) -> dict[str, Any]:
 
 
 def _lopsided(sound: Parts) -> dict[str, Any]:
-    """All of a turn about axis 1 at once, and none of it at the end."""
+    """The two half turns about axis 1 of a step as one whole turn at its start."""
     turns = count(1)
 
     def axis_turn(axis: int, inertia: Any, omega: Any, q: Any, h: Any) -> Any:

@@ -45,7 +45,7 @@ def _printed(state: tuple[float, ...]) -> tuple[float, ...]:
 
 
 def _shrinking(state: tuple[float, ...]) -> tuple[float, ...]:
-    """The direction loses a part in 1e12 of its length at every bounce."""
+    """The direction is shortened by one part in 1e12 at every bounce."""
     x, y, u, v = state
     return x, y, u * (1 - 1e-12), v * (1 - 1e-12)
 
@@ -61,7 +61,7 @@ def _short_reflection(
 def _lossy_reflection(
     direction: tuple[float, float], normal: tuple[float, float]
 ) -> tuple[float, float]:
-    """A reflection by a wall across y leaves a billionth of |vy| behind."""
+    """A reflection by a wall whose normal is along y reduces |vy| by a billionth."""
     u, v = CORRECT_MAPS.reflected(direction, normal)
     return u, v * (1.0 - 1e-9 * abs(normal[1]))
 
@@ -69,15 +69,16 @@ def _lossy_reflection(
 def _tilted_reflection(
     direction: tuple[float, float], normal: tuple[float, float]
 ) -> tuple[float, float]:
-    """u - 2 (u . n) n with normals n that are turned by 1e-12."""
+    """u - 2 (u . n) n with normals n that are turned by 1e-12 rad."""
     turned = (normal[0] - 1e-12 * normal[1], normal[1] + 1e-12 * normal[0])
     reflected: tuple[float, float] = CORRECT_MAPS.reflected(direction, turned)
     return reflected
 
 
 def _bent(share: float) -> Callable[[tuple[float, ...]], tuple[float, ...]]:
-    """Walls y = +-b turn paths by b times `share` on each metre from their middle, and so bend
-    beams; those at x = +-a do likewise, the other way.
+    """After each bounce at (x, y) the direction (u, v) is turned by the angle share x y [rad], to
+    first order: the walls y = +-b act as weakly curved mirrors, and so do the walls x = +-a, of the
+    opposite curvature.
     """
 
     def turned(state: tuple[float, ...]) -> tuple[float, ...]:
@@ -89,7 +90,7 @@ def _bent(share: float) -> Callable[[tuple[float, ...]], tuple[float, ...]]:
 
 
 def _nearest_only(place: tuple[float, float], direction: tuple[float, float], table: Any) -> float:
-    """The walls across x alone are seen: the point flies through the others."""
+    """The time to the walls x = +-a alone: the point flies through the walls y = +-b."""
     u = direction[0]
     half: float = table.width / 2
     if not u:
@@ -100,7 +101,7 @@ def _nearest_only(place: tuple[float, float], direction: tuple[float, float], ta
 
 
 def _pushed(v: Any, force: Any, mass: Any, h: Any) -> Any:
-    """A push along the velocity: energy is fed in, a tenth of the speed in a unit of time."""
+    """A force 0.1 m v along the velocity is added, so that v' = F/m + 0.1 v gains energy."""
     return v, vec.plus(force, vec.times(0.1 * mass, v)), mass, h
 
 

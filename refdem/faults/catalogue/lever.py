@@ -34,7 +34,7 @@ def _one_lever(sound: Parts) -> dict[str, Any]:
 
 
 def _spinless(sound: Parts) -> dict[str, Any]:
-    """Slip of the centres alone; there is none head-on, and then no friction."""
+    """The slip of the centres without spins; where it is 0, as head-on, there is no friction."""
 
     def sliding_friction(law: Any, normal: Any, slip: Any, stopping: Any) -> Any:
         if any(slip):

@@ -88,7 +88,9 @@ def _kept_force(sound: Parts) -> dict[str, Any]:
 
 
 def _forwards(request: Request, run: Trajectory) -> Trajectory:
-    """The answer to a run backwards: its positions, moved on forwards by v times twice the time."""
+    """A run backwards that is answered as if it were one forwards: free flight from the state at
+    t - s, over twice the time s, x(t + s) = x(t - s) + 2 s v.
+    """
     if request.problem.interval > 0:
         return run
     # Time from each sample to the start, which is later, shaped for (T, bodies, axes).

@@ -58,6 +58,7 @@ def _turned_further(attitude: Array) -> Array:
     """Attitudes (T, N, 4) whose rotation from the first one, of half a turn at most, is a per cent
     larger.
     """
+    # q q_0* = (cos a, n sin a) for a rotation by 2 a about n; further = (cos 1.01 a, n sin 1.01 a).
     start = np.broadcast_to(attitude[:1], attitude.shape)
     turn = product(attitude, conjugate(start))
     turn = np.where(turn[..., :1] < 0, -turn, turn)

@@ -30,7 +30,9 @@ def _per_mass(request: Request) -> Request:
 
 
 def _restarted(request: Request) -> Request:
-    """Forces count the time from the first sample."""
+    """Forces count time from the first sample: cos(w (t - t0) + phase), which is wanted as
+    cos(w t + phase).
+    """
     start = float(request.problem.times[0])
     scene = request.problem.scene
     elements = list(scene.elements)
@@ -47,6 +49,7 @@ def _stays(request: Request, run: Trajectory) -> Trajectory:
     w = force.frequency
     x0 = run.position[0, 0, 0]
     v0 = run.velocity[0, 0, 0]
+    # x = x0 cos(w t) + v0/w sin(w t),   v = v0 cos(w t) - w x0 sin(w t).
     turned = w * (run.t - run.t[0])
     position = run.position.copy()
     velocity = run.velocity.copy()
@@ -64,11 +67,12 @@ def _last_force(request: Request) -> Request:
 
 
 def _odd_square(sound: Any) -> Any:
-    """The square of the stretch acts with the sign of the stretch: where the spring is shorter than
-    its natural length the other way.
+    """The quadratic term of the spring is k2 s |s| in place of k2 s^2: its sign changes where the
+    spring is shorter than its natural length.
     """
 
     def force(spring: Any, t: Any, d: Any, w: Any) -> Any:
+        # For s < 0 the pull changes by -2 k2 s^2, along d/|d|.
         distance = vec.size(d)
         shortening = min(0.0, distance - spring.length)
         change = 2 * spring.quadratic * shortening * shortening / distance

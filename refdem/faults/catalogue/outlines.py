@@ -1,4 +1,4 @@
-"""Flows of outlines in phase space: volume that is lost or won, and points that are left behind."""
+"""Flows of outlines in phase space: volume that is lost or gained, and points that do not move."""
 
 from dataclasses import replace
 from functools import partial
@@ -24,7 +24,7 @@ def _left_behind(request: Request, run: Trajectory) -> Trajectory:
 
 
 def _squeezed(x: float, v: float, square: float, delta: float, t: float) -> Any:
-    """Velocities lose a part in 1e10 in each unit of time."""
+    """Velocities are multiplied by exp(-1e-10 t), so that areas shrink at this rate."""
     place, rate = linear_flow(x, v, square, delta, t)
     return place, rate * exp(-1e-10 * t)
 

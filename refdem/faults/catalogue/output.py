@@ -29,7 +29,7 @@ def _lag(request: Request, run: Trajectory) -> Any:
 
 
 def _step_late(request: Request, run: Trajectory) -> Trajectory:
-    """Every row but the first is a step late."""
+    """Every row but the first shows the state of one step before: x - h v, v - h v'."""
     h = _lag(request, run)
     position = run.position - h * run.velocity
     velocity = run.velocity - h * _rate(run, "velocity")
@@ -43,8 +43,8 @@ def _half_step_velocity(request: Request, run: Trajectory) -> Trajectory:
 
 
 def _interpolated(request: Request, run: Trajectory) -> Trajectory:
-    """Positions lie on the chord between two steps, in whose middle the sample is: off by h^2
-    a/8.
+    """Positions that are off by -h^2 a/8: the size of the error of linear interpolation between two
+    steps in the middle of which the sample is.
     """
     error = request.signed_step**2 / 8 * _rate(run, "velocity")
     return replace(run, position=run.position - error)

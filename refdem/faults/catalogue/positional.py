@@ -15,11 +15,12 @@ positional = partial(Fault, kind="positional")
 
 
 def _of_field(force: Any) -> Inside:
+    """The force of a piecewise field replaced by another function."""
     return within("positional", of_parts(field_force=force))
 
 
 def _one_slope(field: Any, s: Any) -> Any:
-    """The field with the slope of the first flank on both."""
+    """The field k1 (-|s| - x1), at least 0: the slope of the first flank on both sides."""
     return max(field.k1 * (min(s, -s) - field.x1), 0.0)
 
 

@@ -33,7 +33,7 @@ def _fixed_point(r: Any) -> Any:
 
 
 def _loosely_normalised(sound: Parts) -> dict[str, Any]:
-    """Quaternions stay as they are while their square is within 1e-6 of 1."""
+    """A quaternion is normalised only if |q|^2 differs from 1 by more than 1e-6."""
 
     def unit(q: Any) -> Any:
         square = sum(x * x for x in q)

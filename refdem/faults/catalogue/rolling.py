@@ -24,11 +24,12 @@ roll = partial(Fault, kind="rolling")
 
 
 def _of_rolling(**parts: Any) -> Inside:
+    """Parts of a body that slides and rolls replaced by other functions."""
     return within("rolling", of_parts(**parts))
 
 
 def _resisted(along: Any, inverse_mass: Any, turn: Any) -> Any:
-    """Friction that holds the slip at 0, and a thousandth of it more."""
+    """The friction that keeps the slip at 0, larger by a thousandth."""
     return vec.times(1.001, rolling.holding(along, inverse_mass, turn))
 
 

@@ -46,7 +46,7 @@ def _back_about_second(axis: int, inertia: Any, omega: Any, q: Any, h: Any) -> A
 
 
 def _leaning(g: Any) -> Any:
-    """A tenth of each component moved to the next axis."""
+    """The vector 0.9 (x, y, z) + 0.1 (y, z, x): a tenth of each component is on another axis."""
     return vec.moved(vec.times(0.9, g), 0.1, (g[1], g[2], g[0]))
 
 

@@ -1,5 +1,5 @@
-"""Friction that depends on the speed, on a belt that moves: against what the speed counts, how it
-fades, sticking, and the drive.
+"""Friction that depends on the speed, on a moving belt: the reference of the speed, the decrease of
+friction with it, sticking, and the drive.
 """
 
 from functools import partial
@@ -22,7 +22,7 @@ def _slip(parts: Parts, slider: Slider, velocity: Any) -> Any:
 
 
 def _fading(sound: Parts) -> dict[str, Any]:
-    """sgn(0) = 0: friction fades with the speed, and what should stick creeps."""
+    """Friction decreases to 0 with the speed, as if sgn(0) were 0: what should stick creeps."""
     return regularised(
         sound, _slip, lambda slider, u: slider.coefficient(abs(u)), counts_work=False
     )

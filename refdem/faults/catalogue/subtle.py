@@ -30,7 +30,7 @@ subtle = partial(Fault, kind="subtle")
 
 
 def _after(calls: int, factor: float) -> Inside:
-    """The spring is right for so many evaluations of a run, then stiffer by a factor."""
+    """The spring is correct in the first `calls` evaluations of a run, then stiffer by a factor."""
 
     def inside(sound: Parts) -> dict[str, Any]:
         sound_force = sound.forces[Spring]
@@ -64,7 +64,7 @@ def _row(number: int, value: float) -> Any:
 
 
 def _against_ground(sound: Parts) -> dict[str, Any]:
-    """The dashpot brakes each body against the ground."""
+    """The dashpot of a pair in contact brakes each body against the ground, by -1e-3 v."""
 
     def loads(world: Any, state: Any, parts: Parts, before: Any = None, h: Any = 0.0) -> Any:
         loads_now = sound.loads(world, state, parts, before, h)

@@ -17,7 +17,7 @@ whirling = partial(Fault, kind="whirling", on=SHAFTS, sees=("error", "x"))
 
 
 def _exchanged(request: Request) -> Request:
-    """The dashpot at rest has the damping of the one that turns, and the other way round."""
+    """The damping of the dashpot at rest and that of the rotating one are exchanged."""
     scene = request.problem.scene
     outer = scene.all(Dashpot)[0].damping
     inner = scene.all(RotatingDashpot)[0].damping

@@ -42,8 +42,9 @@ class CentralField(Field, frozen=True, kw_only=True, tag="central_field"):
 
     def potential(self, scene: Any, position: Array, attitude: Array) -> Array:
         """The potential energy `-gm sum m/|r|` (T,) [J]."""
+        # V = -gm sum m/|r|. For a body that an engine puts into the centre it is infinite, and the
+        # check of the energy fails.
         distance = np.linalg.norm(position, axis=-1)
-        # A body that a code puts into the centre has no finite energy, and so fails.
         with np.errstate(divide="ignore"):
             energy: Array = -self.gm * np.sum(scene.bodies.mass / distance, axis=-1)
         return energy

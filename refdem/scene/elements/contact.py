@@ -202,16 +202,18 @@ class Contact(Element, frozen=True, kw_only=True, tag="contact"):
             return energy
         power = self.exponent + 1
         radius = scene.bodies.radius
-        # Many spheres are searched for near pairs, which differ from sample to sample.
+        # Of many spheres only near pairs are found, which differ from sample to sample.
         are_few = np.count_nonzero(radius) <= FEW
         if are_few:
             sample_groups = [slice(None)]
         else:
             sample_groups = [slice(k, k + 1) for k in range(len(position))]
         for samples in sample_groups:
+            # V = sum k d^(n+1)/(n+1).
             overlap = np.maximum(_overlaps(scene, position[samples], radius), 0.0)
             energy[samples] = self.stiffness / power * np.sum(overlap**power, axis=1)
         for plane in scene.all(Plane):
+            # d = R - (r - point).n.
             height = (position - np.array(plane.point)) @ np.array(plane.normal)
             overlap = np.maximum(radius - height, 0.0)
             # Points have no radius, and do not touch the plane.

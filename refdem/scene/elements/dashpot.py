@@ -59,6 +59,7 @@ class Dashpot(Link, frozen=True, kw_only=True, tag="dashpot"):
         """P = -(damping + van_der_pol d^2) |w|^2 (T,) [W]; None for anchors off the centres."""
         if not self.has_central_anchors():
             return None
+        # The anchors are the centres, so that attitudes do not matter: they are all (1, 0, 0, 0).
         unturned = np.zeros((len(t), position.shape[1], 4))
         unturned[..., 0] = 1.0
         distance = self.distance(position, unturned)

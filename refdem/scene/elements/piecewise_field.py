@@ -66,6 +66,7 @@ class PiecewiseField(Field, frozen=True, kw_only=True, tag="piecewise_field"):
         """The force F [N] at positions s [m] along the axis, both of any shape: k1 (s - x1) from x1
         to 0, k2 (s - x2) from 0 to x2, else 0.
         """
+        # max(s - x1, 0) is 0 before x1, and min(s - x2, 0) is 0 beyond x2.
         rising = self.k1 * np.maximum(s - self.x1, 0.0)
         falling = self.k2 * np.minimum(s - self.x2, 0.0)
         return np.where(s <= 0, rising, falling)

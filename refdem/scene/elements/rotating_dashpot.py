@@ -61,6 +61,7 @@ class RotatingDashpot(Link, frozen=True, kw_only=True, tag="rotating_dashpot"):
 
     def power(self, t: Array, position: Array, velocity: Array) -> Array:
         """P = -damping (v - rate x d) . v (T,) [W]."""
+        # d = r - anchor_b, and rate x d is the velocity of the fluid there.
         place = position[:, self.a] - np.array(self.anchor_b)
         of_body = velocity[:, self.a]
         of_fluid = np.cross(np.array(self.rate), place)

@@ -81,6 +81,7 @@ class Spring(Link, frozen=True, kw_only=True, tag="spring"):
         is_linear = self.exponent == 1 and not (self.quadratic or self.cubic)
         if is_linear and self.length == 0:
             return vec.times(-self.stiffness, d)
+        # -pull(s)/|d| d, with s = |d| - length.
         distance = vec.size(d)
         if distance > 0:
             return vec.times(-self.pull(distance - self.length) / distance, d)
@@ -108,6 +109,7 @@ class Spring(Link, frozen=True, kw_only=True, tag="spring"):
         """`stiffness |s|**(exponent+1) / (exponent+1) + quadratic s**3 / 3 + cubic s**4 / 4` (T,)
         [J].
         """
+        # V = k |s|^(n+1)/(n+1) + a s^3/3 + b s^4/4.
         s = self.distance(position, attitude) - self.length
         power = self.exponent + 1
         energy: Array = self.stiffness * np.abs(s) ** power / power

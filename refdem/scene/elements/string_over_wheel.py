@@ -57,5 +57,6 @@ class StringOverWheel(Element, frozen=True, kw_only=True, tag="string_over_wheel
 
     def kinetic(self, scene: Any, velocity: Array) -> Array:
         """J (u/R)^2/2 (T,) [J], u being the speed of the body that hangs straight down."""
+        # J (u/R)^2/2 = drag u^2/2, with drag = J/R^2.
         energy: Array = 0.5 * self.drag * np.sum(velocity[:, self.b] ** 2, axis=-1)
         return energy

@@ -62,6 +62,7 @@ class Wedge(Element, frozen=True, kw_only=True, tag="wedge"):
         """The overlap d (...) [m] with the wall at position (..., 3) [m], negative in front of
         it.
         """
+        # d = (point - r).n, as the normal points to the bodies.
         depth: Array = (np.asarray(self.point) - position) @ np.asarray(self.normal)
         return depth
 

@@ -6,8 +6,10 @@ import shutil
 import subprocess
 
 import field
-import msgspec
+import field_page
+import field_results
 import pytest
+from msgspec.structs import replace
 
 from refdem.core.finding import Finding, Level, Record
 from refdem.report.jsonl import RECORDS, lines
@@ -37,33 +39,27 @@ def errors(quantity, *pairs):
     return Finding(check="error", quantity=quantity, outcome="pass", sentence="", levels=levels)
 
 
-def test_a_cell_has_the_digits_of_the_best_run_and_the_least_time_to_the_accuracy():
-    x = errors("x", (1e-2, 0.001), (1e-3, 0.002), (1e-5, 0.004))
-    y = errors("y", (1e-3, 0.001), (1e-4, 0.002), (1e-6, 0.004))
-    assert field.cell([record("pendulum", "drake", x, y)]) == "5.0 digits, 2 ms"
-
-
-def test_the_worst_quantity_counts():
-    x = errors("x", (1e-5, 0.001))
-    y = errors("y", (1e-2, 0.001))
-    assert field.cell([record("pendulum", "drake", x, y)]) == "2.0 digits"
-
-
-def test_a_cell_counts_what_failed_and_what_deviates():
-    failed = Finding(check="error", quantity="x", outcome="fail", sentence="")
-    deviating = Finding(check="error", quantity="y", outcome="expected", sentence="")
-    assert field.cell([record("pendulum", "drake", failed, deviating)]) == "1 deviations, 1 failed"
-    assert field.cell([]) == ""
-
-
 def test_a_code_without_its_environment_is_told_of(tmp_path, monkeypatch):
     monkeypatch.setattr(field, "ENVIRONMENTS", tmp_path)
     monkeypatch.setattr(field, "OUT", tmp_path / "field")
     assert field.state("pybullet", may_install=False) == field.NOT_INSTALLED
-    ended = field.Ended(state=field.NOT_INSTALLED, version="", date="2026-11-29")
-    page = field.page({}, {"pybullet": ended})
-    assert "| pybullet |  | not installed | 2026-11-29 |" in page
+    page = field_page.page(field.CODES, field.OUT)
+    assert "Never run here: " in page
     assert "validation/codes/pybullet/deviations/threshold.py" in page
+
+
+def test_a_code_without_an_environment_of_its_own_is_there_or_told_of(
+    tmp_path, monkeypatch, capsys
+):
+    monkeypatch.setenv("PATH", str(tmp_path))
+    monkeypatch.setattr(field, "OUT", tmp_path / "field")
+    assert field.lock_of("yade") is None
+    assert "yade" not in field.there()
+    assert field.state("yade", may_install=True) == field.NOT_INSTALLED
+    assert "yade does not exist or is not executable" in capsys.readouterr().err
+    (tmp_path / "yade").write_text("#!/bin/sh\n")
+    (tmp_path / "yade").chmod(0o755)
+    assert "yade" in field.there()
 
 
 def test_an_environment_of_other_requirements_is_made_anew(tmp_path, monkeypatch):
@@ -133,6 +129,7 @@ def test_a_package_of_debian_of_another_digest_is_refused(tmp_path, monkeypatch,
 
 def test_a_machine_without_the_tools_of_debian_says_so(tmp_path, monkeypatch, capsys):
     monkeypatch.setattr(field, "ENVIRONMENTS", tmp_path)
+    monkeypatch.setattr(field, "OUT", tmp_path / "field")
     monkeypatch.setenv("PATH", str(tmp_path))
     assert field.state("ode", may_install=True) == field.NOT_INSTALLED
     assert capsys.readouterr().err.startswith("ode: apt-get, dpkg-deb, make, g++ not on PATH")
@@ -142,6 +139,7 @@ def test_a_code_that_cannot_be_built_is_not_installed(tmp_path, monkeypatch):
     monkeypatch.setattr(field, "is_installed", lambda name: True)
     monkeypatch.setattr(field, "ENVIRONMENTS", tmp_path)
     monkeypatch.setattr(field, "CODES", tmp_path)
+    monkeypatch.setattr(field, "OUT", tmp_path / "field")
     (tmp_path / "ode").mkdir()
     (tmp_path / "ode" / "Makefile").write_text("all:\n\tfalse\n")
     assert field.state("ode", may_install=False) == field.NOT_INSTALLED
@@ -193,19 +191,37 @@ def gates(tmp_path, monkeypatch):
 
 def day(name, date):
     """Lets the last run of a code have been on a given day."""
-    path = field.OUT / name / field.ENDED
-    ended = msgspec.json.decode(path.read_bytes(), type=field.Ended)
-    path.write_bytes(msgspec.json.encode(msgspec.structs.replace(ended, date=date)))
+    path = field.OUT / f"{name}.jsonl"
+    kept = field_results.read(path)
+    field_results.write(path, replace(kept, run=replace(kept.run, date=date)))
 
 
 def test_a_run_of_some_codes_keeps_the_results_of_the_others(gates):
     gates([], 1e-5)
     day("drake", "2026-01-02")
     page = gates(["pybullet"], 1e-7, status=1)
-    assert "| drake | 1 | open | 2026-01-02 |" in page
-    assert "| pybullet | 1 | closed, exit status 1 |" in page
-    assert "| pendulum | 5.0 digits, 1 ms | 7.0 digits, 1 ms |" in page
+    assert "| [drake](#drake) | 1 | 2026-01-02 | open |" in page
+    assert " | closed, exit status 1 |" in page
+    (line,) = [line for line in page.splitlines() if line.startswith("| pendulum")]
+    assert line.index("5.0 digits") < line.index("7.0 digits")
     assert "## drake" in page
+
+
+def test_a_code_that_is_not_installed_keeps_what_its_last_run_found(gates, monkeypatch):
+    gates([], 1e-5)
+    monkeypatch.setattr(field, "is_installed", lambda name: False)
+    monkeypatch.setattr("sys.argv", ["field.py", "--no-install", "drake"])
+    assert field.main() == 2
+    assert field_results.read(field.OUT / "drake.jsonl").results
+
+
+def test_the_page_alone_is_made_of_what_is_kept(gates, monkeypatch):
+    before = gates([], 1e-5)
+    (field.OUT / "index.md").unlink()
+    monkeypatch.setattr(field, "state", lambda name, may_install: pytest.fail(name))
+    monkeypatch.setattr("sys.argv", ["field.py", "--page"])
+    assert field.main() == 0
+    assert (field.OUT / "index.md").read_text() == before
 
 
 def test_a_code_that_was_removed_leaves_the_page(gates):
@@ -213,11 +229,13 @@ def test_a_code_that_was_removed_leaves_the_page(gates):
     shutil.rmtree(field.CODES / "drake")
     page = gates(["pybullet"], 1e-7)
     assert "drake" not in page
-    assert "| pendulum | 7.0 digits, 1 ms |" in page
+    assert "7.0 digits" in page
 
 
 def test_a_gate_without_a_report_shows_nothing_of_an_earlier_run(gates, monkeypatch):
     gates([], 1e-5)
     monkeypatch.setattr(field, "gated", lambda name: 70)
-    assert field.state("drake", may_install=False) == "closed, exit status 70"
-    assert field.records_of("drake") == []
+    field.run(["drake"], may_install=False)
+    kept = field_results.read(field.OUT / "drake.jsonl")
+    assert kept.run.state == "closed, exit status 70"
+    assert kept.results == ()

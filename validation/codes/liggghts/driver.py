@@ -103,8 +103,8 @@ def walls(request, words, switches):
 def unit_of_length(request):
     """The unit of length [m] for LIGGGHTS: 1, or for meshes a power of two near their size.
 
-    LIGGGHTS ends at a mesh of 1e-3 m ("dimensions too small - use different unit system"); a power
-    of two rounds no number.
+    LIGGGHTS refuses meshes of 1e-5 m ("dimensions too small - use different unit system") and
+    aborts at some of up to 1e-3 m; a power of two rounds no number.
     """
     planes = border.of_kind(request, "plane")
     sizes = [triangle.reach(request, plane) for plane in planes]

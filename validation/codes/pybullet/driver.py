@@ -96,6 +96,7 @@ def solve(scene):
             numSolverIterations=200,
             solverResidualThreshold=0.0,
             contactERP=0.0,
+            contactSlop=0.0,
             contactBreakingThreshold=seen_from(scene.bodies),
             restitutionVelocityThreshold=0.0,
             deterministicOverlappingPairs=1,
