@@ -258,6 +258,7 @@ COLUMNS = (
     ("lammps-debian", "gran"),
     ("lammps-debian", "granular"),
     ("liggghts", "stiffness"),
+    ("yade", "leapfrog"),
 )
 """Code and method of each column of the table of the DEM canon."""
 
