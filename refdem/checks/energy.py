@@ -254,8 +254,8 @@ class Energy(Check):
         leaves, at most 1; 1 where the next level was not run.
 
         With an error e(h) = C h^p of the energy, the change from h to h/2 is (1 - 2^-p) e(h). So
-        e(h) is at most `room_of` times that change over 1 - 2^-p, and what straddled steps of both
-        levels leave.
+        e(h) is at most `room_of` times that change over 1 - 2^-p, and what a step of the coarser
+        level that straddles a kink leaves.
         """
         finer = Variant(variant.level / 2)
         if subject.method.control != "step" or subject.keeps("energy") or finer not in runs:

@@ -120,7 +120,7 @@ def _pulled() -> tuple[Probe, ...]:
         Body(mass=b.mass, position=b.position, velocity=b.velocity) for b in (TUMBLING, OTHER)
     ]
     ends = "both ends of a spring, and its length"
-    return (
+    springs = (
         _integrated("spring between points", ends, points, [at_centres]),
         _integrated(
             "spring off the centre in a plane",
@@ -131,9 +131,12 @@ def _pulled() -> tuple[Probe, ...]:
         ),
         _integrated("spring off the centre", anchored, [TUMBLING], [to_wall]),
         _integrated("spring between two bodies", anchored, [TUMBLING, OTHER], [between]),
+    )
+    dashpots = (
         _integrated("dashpot off the centre in a plane", anchored, [FLAT], [flat_damped]),
         _integrated("dashpot between two bodies", anchored, [TUMBLING, OTHER], [damped]),
     )
+    return (*springs, *dashpots)
 
 
 def _swung() -> tuple[Probe, ...]:

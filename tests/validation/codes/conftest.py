@@ -137,6 +137,16 @@ class Bounce:
         back = partial(turned, cosine, -sine)
         return [[v / self.size for v in back(velocity)], back(omega)]
 
+    def assert_as_upright(self, folder: Path, cosine: float, sine: float) -> None:
+        """The turned wall acts as the upright one of lengths as they are, which does act."""
+        velocity, omega = Bounce(self.command, self.law).after(folder, 1.0, 0.0)
+        assert velocity[2] > 0.8
+        assert omega[1] < 2.0
+        velocity_turned, omega_turned = self.after(folder, cosine, sine)
+        # 1e4 steps, each with a few roundings of numbers of size 1.
+        assert velocity_turned == pytest.approx(velocity, abs=1e-11)
+        assert omega_turned == pytest.approx(omega, abs=1e-11)
+
 
 @pytest.fixture(scope="session")
 def bounce() -> type[Bounce]:

@@ -48,10 +48,4 @@ def test_a_wall_a_tenth_of_a_radius_away_closes_it(gates):
 )
 def test_a_wall_of_any_normal_is_the_same_wall(tmp_path, bounce, cosine, sine, size):
     command = ("python3", str(DRIVER), "liggghts")
-    velocity, omega = bounce(command, LAW).after(tmp_path, 1.0, 0.0)
-    assert velocity[2] > 0.8
-    assert omega[1] < 2.0
-    velocity_turned, omega_turned = bounce(command, LAW, size).after(tmp_path, cosine, sine)
-    # 1e4 steps, each with a few roundings of numbers of size 1.
-    assert velocity_turned == pytest.approx(velocity, abs=1e-11)
-    assert omega_turned == pytest.approx(omega, abs=1e-11)
+    bounce(command, LAW, size).assert_as_upright(tmp_path, cosine, sine)
