@@ -95,7 +95,7 @@ class BouncingBall(Case):
 
         duration = p["duration"]
         if not isinstance(duration, Fraction):
-            # The run ends in the flight after the last of the bounces that are asked for.
+            # The run ends in the flight after the last of the requested bounces.
             return
         last = float(duration)
         if not is_before_accumulation(p, duration):

@@ -51,7 +51,7 @@ class NewtonsFirstLaw(Case):
     )
 
     def scene(self, p: Parameters) -> Scene:
-        """The scene of the member that is asked for."""
+        """The scene of the selected member."""
         if p.member == "free":
             return _rest.free(p.velocity, p.spin)
         return _rest.SCENES[p.member]()

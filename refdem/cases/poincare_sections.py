@@ -15,9 +15,9 @@ from refdem.errors import UsageError
 POWERS = {"quadratic": 2.0, "linear": 1.0}
 """The power of the speed in the last term of mu, by the name of the law."""
 STROBES = 3
-"""Periods of the drive at whose ends place and velocity are asked for."""
+"""Number of periods of the drive at whose ends position and velocity are compared."""
 PASSAGES = 4
-"""Passages of v = 0 with x > 0 whose times and places are asked for."""
+"""Number of passages of v = 0 with x > 0 whose times and positions are compared."""
 
 
 class PoincareSections(AlgebraCase):

@@ -21,7 +21,7 @@ LONGEST = 64.0
 """The motion lasts so many tau at most, about: a slip that does not end by then is not waited for.
 """
 ABOUT = (15 / 16, 17 / 16)
-"""Parts of the time asked for between which the run ends, clear of the end of the slip."""
+"""Fractions of the requested time between which the run ends, away from the end of the slip."""
 
 
 class Rolling(Case):

@@ -113,7 +113,7 @@ class Canonical(ABC):
         """Length, shortest time, duration (the default one: `duration` overrules it) and mass."""
 
     def lasting(self, p: Parameters) -> Scales:
-        """The scales, with the duration that was asked for."""
+        """The scales, with the requested duration."""
         return self.scales(p)
 
     @abstractmethod
@@ -181,7 +181,7 @@ class Timed(Canonical):
     clock = CLOCK
 
     def lasting(self, p: Parameters) -> Scales:
-        """The scales, with the duration that was asked for."""
+        """The scales, with the requested duration."""
         default = self.scales(p)
         return Scales(default.length, default.tau, p.duration or default.duration, default.mass)
 
@@ -258,7 +258,7 @@ class Instance:
 
     @cached_property
     def scales(self) -> Scales:
-        """The scales, with the duration that was asked for."""
+        """The scales, with the requested duration."""
         return self.case.lasting(self.p)
 
     def refuse_unjudgeable(self) -> None:
@@ -306,7 +306,7 @@ class Instance:
 
     @property
     def motion(self) -> Motion:
-        """The motion asked for; raises UsageError where the question is another."""
+        """The requested motion; raises UsageError for a problem of another kind."""
         if not isinstance(self.problem, Motion):
             raise UsageError(f"{self.label} asks for {self.problem.words}, not for a motion")
         return self.problem

@@ -200,8 +200,8 @@ class Check(ABC):
         """The runs that `judge` will read besides, in view of those that are made: none where they
         decide.
 
-        `runs` has those of `needs`, and what was asked for here before. It is asked again until it
-        names no new ones.
+        `runs` has those of `needs` and those that earlier calls returned. It is called again until
+        it returns no new ones.
         """
         return ()
 

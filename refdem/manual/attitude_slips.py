@@ -1,6 +1,6 @@
 """Slips of the source chapter about attitudes and spins: matrices, quaternions, an ellipsoid.
 
-Each has the measurement that settles it, made when it is asked for.
+Each has the measurement that settles it, made on demand.
 """
 
 import math

@@ -1,5 +1,5 @@
 """Slips of the source chapter (Matuttis and Chen 2014, chapter 1), each with the measurement that
-settles it, made when it is asked for.
+settles it, made on demand.
 """
 
 import math

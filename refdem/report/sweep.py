@@ -159,7 +159,7 @@ def csv(names: Sequence[str], found: Sequence[Point]) -> str:
 def as_json(label: str, names: Sequence[str], found: Sequence[Point], absent: Sequence[str]) -> str:
     """The table as JSON: a list of points, each with its setting; absent numbers are null.
 
-    `absent` has a sentence for each engine that was asked for and is not installed.
+    `absent` has a sentence for each engine that was requested and is not installed.
     """
     documents = []
     for point in found:

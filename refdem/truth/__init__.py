@@ -1,4 +1,4 @@
-"""Certified truth: balls with proven radii, in python-flint; knows nothing of solvers or mechanics.
+"""Certified truth: balls with proven radii, in python-flint; independent of solvers and mechanics.
 
 `load` reads the certified values that come with refdem, with the standard library alone.
 """

@@ -54,8 +54,8 @@ def damping_cosine(decay: arb) -> arb:
     In z = alpha^2 the function h(z) = 2 - 2 sqrt(z) cot sqrt(z) is analytic and grows from 0 at
     least as fast as LEAST_SLOPE z, so that h(z) = 2 - decay has exactly one root, also where alpha
     is nearly 0 (restitution near exp(-2)) and a root in alpha itself would be nearly double.
-    Whatever z an iteration ends at, |h(z) - (2 - decay)|/LEAST_SLOPE bounds its error; and the root
-    is never above (2 - decay)/LEAST_SLOPE, which is all that is said where 2 - decay is lost in
+    For any z at which an iteration ends, |h(z) - (2 - decay)|/LEAST_SLOPE bounds its error. The
+    root is never above (2 - decay)/LEAST_SLOPE, which is the only bound where 2 - decay is lost in
     rounding.
     """
     goal = 2 - ball(decay)

@@ -116,7 +116,7 @@ class EnergyGrowth:
 
     `scale_of_place` X and `scale_of_speed` V are the scales of x and v; `readings` gives the
     derivative (q, 2) of the quantities by a state (x, v), in scales. `instants` has those at the
-    middles of the first cells, as far as they were asked for.
+    middles of the first cells, as far as requested.
     """
 
     line: Line

@@ -124,9 +124,9 @@ def no_swelling(t: float) -> float:
 class Course:
     """A motion as far as it was followed at some precision.
 
-    At least `least` pieces, and the part 1/`share` of what is left, are made before a forecast is
-    believed. `clock` turns a time [s] into that in which the motion goes on at an even pace; the
-    methods speak of times by it. `swelling` foresees how an error grows that is there already.
+    At least `least` pieces, and the part 1/`share` of the rest, are made before a forecast is used.
+    `clock` maps a time [s] to one in which the cost of the motion is uniform, and all times of the
+    methods are in it. `swelling` predicts the growth of an existing error.
     `entries` has, for each event passed, the mode that it entered and the number of the mark there;
     `has_events` says that there may be some that no clock foresees.
     """

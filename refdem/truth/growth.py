@@ -32,7 +32,7 @@ Hypotheses, and where each is checked:
   products in binary64 (`Growth.passed`, `Growth.effect_at`);
 * the bound of rounding errors is a small part of S: `Growth.read` compares it with
   MAX_ROUNDING_PART; where it is larger, products are computed in balls (`read_in_balls`), or more
-  bits are asked for.
+  bits are requested.
 """
 
 from bisect import bisect_right
@@ -279,10 +279,10 @@ class Cell:
 
 
 class Element:
-    """A stretch with the cells that cover it, which are made as far as they are asked for.
+    """A stretch with the cells that cover it, which are made as far as requested.
 
-    The same stretch always gets the same cells, whatever was asked for before. `step` is the width
-    [s] that the next cell is tried with, `norm` measures errors.
+    The same stretch always gets the same cells, independently of earlier requests. `step` is the
+    width [s] that the next cell is tried with, `norm` measures errors.
     """
 
     def __init__(self, stretch: Stretch, norm: Norm, step: Fraction) -> None:
@@ -578,7 +578,7 @@ class Growth:
         """The effect of all errors made before the element of that number, at its start, in balls.
 
         `count` is the number of coordinates. Elements are passed one after another; a number before
-        the last one asked for starts anew.
+        the last one requested starts anew.
         """
         if self.ball_front is None or self.ball_count > number:
             self.ball_front = BallEffect(np.eye(count), None, np.zeros(0), unit_matrix(count))

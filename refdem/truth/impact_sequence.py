@@ -320,7 +320,7 @@ class ImpactSequence(ClosedForm):
 
     @per_precision
     def known_after(self) -> list[list[Motion]]:
-        """The states in balls right after the first moments, as far as they were asked for."""
+        """The states in balls right after the first moments, as far as requested."""
         return []
 
     def starts(self) -> list[Motion]:

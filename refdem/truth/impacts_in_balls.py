@@ -34,7 +34,7 @@ class GrazingError(UndecidedError):
 
 class ImpactsInBalls:
     """The impacts of free bodies that start so, in order, up to `most` moments: one list for each
-    working precision, made as far as it is asked for.
+    working precision, made as far as requested.
     """
 
     gravity = None

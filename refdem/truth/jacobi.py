@@ -2,8 +2,8 @@
 and 1 - m both given.
 
 theta_i(v, tau) with v = u/(2K), tau = i K'/K (DLMF 20.2, 22.2); K and K' are the complete integrals
-of m and of 1 - m. Theta is Jacobi's, theta_4, and Z = Theta'/Theta his zeta function. 1 - m is
-asked for beside m: near a separatrix it must not be lost by cancellation.
+of m and of 1 - m. Theta is Jacobi's, theta_4, and Z = Theta'/Theta his zeta function. 1 - m is a
+separate argument: near a separatrix it must not be lost by cancellation.
 """
 
 from flint import acb, arb

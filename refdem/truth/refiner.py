@@ -2,7 +2,7 @@
 
 Theorem (refiner): a formula that is evaluated in balls at any working precision gives balls that
 contain its values. So a radius is only ever too large, never wrong, and raising the precision until
-all radii are small enough proves the values to the digits that are asked for.
+all radii are small enough proves the values to the digits that are requested.
 
 Hypotheses, and where each is checked:
 
@@ -61,7 +61,7 @@ class Refiner:
         return replace(self, digits=digits)
 
     def target(self) -> Fraction:
-        """The largest radius that is asked for."""
+        """The largest radius that is requested."""
         sizes = [Fraction(1), *(size for size in self.scale.values() if size > 0)]
         return min(sizes) / Fraction(10) ** self.digits
 

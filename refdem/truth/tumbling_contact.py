@@ -242,7 +242,7 @@ def rotation(q: Vector) -> list[list[Any]]:
 def lean_rates(guard: Guard, mode: Mode, size: int, directions: range = NONE) -> list[Program]:
     """Programs of a guard's value and of its first rate, with only the operations that each needs.
 
-    All zeros of these guards are simple: no higher rate is asked for.
+    All zeros of these guards are simple: no higher rate is needed.
     """
     trace = Trace(size, directions)
     y = [trace.node("in", i) for i in range(size)]

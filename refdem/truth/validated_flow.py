@@ -415,7 +415,7 @@ class ValidatedFlow(Guarded, Truth):
         return Growth(self.stretches(self.integration()), norm, self.readings)
 
     def stretches(self, flow: Integration) -> Iterator[Stretch]:
-        """The pieces of an integration as stretches, made as they are asked for."""
+        """The pieces of an integration as stretches, made on demand."""
         for number in count():
             while number >= len(flow.pieces):
                 flow.advance()
@@ -493,8 +493,8 @@ class ValidatedFlow(Guarded, Truth):
             def state() -> tuple[Fraction, int, arb]:
                 return flow.end, len(flow.pieces), self.radius_of(flow)
 
-            # The clock of the forecast counts the scout's steps, not seconds: so it knows of fast
-            # parts of the motion before the proof reaches them.
+            # The clock of the forecast counts the scout's steps, not seconds. It therefore accounts
+            # for fast parts of the motion before the proof reaches them.
             scout = Scout(flow.field, flow.slopes, flow.centre, float(flow.end), self.moved)
             course.clock = scout.clock
 

@@ -67,19 +67,19 @@ class ImpactBenchmarks(Case):
         member(p.member).refuse(p)
 
     def scene(self, p: Parameters) -> Scene:
-        """The scene of the member that is asked for."""
+        """The scene of the selected member."""
         return member(p.member).scene(member(p.member).values(p))
 
     def scales(self, p: Parameters) -> Scales:
-        """The scales of the member that is asked for."""
+        """The scales of the selected member."""
         return member(p.member).scales(member(p.member).values(p))
 
     def quantities(self, p: Parameters) -> tuple[Quantity, ...]:
-        """The quantities of the member that is asked for."""
+        """The quantities of the selected member."""
         return member(p.member).quantities(member(p.member).values(p))
 
     def observe(self, p: Parameters, trajectory: Trajectory) -> dict[str, Array]:
-        """The quantities (T,) by name, as the member that is asked for computes them."""
+        """The quantities (T,) by name, as the selected member computes them."""
         return member(p.member).observe(member(p.member).values(p), trajectory)
 
     def meant(self, p: Parameters) -> dict[str, Any]:

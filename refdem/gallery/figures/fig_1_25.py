@@ -35,7 +35,7 @@ def figure() -> Figure:
             cycle(run, ink),
             lines(frequency, height, ink),
         ]
-        # The highest bin is next to the line, whose frequency is told by its phase.
+        # The highest bin is next to the line, whose frequency follows from its phase.
         highest = float(frequency[np.argmax(height)])
         cycle_frequency, error = frequency_with_error(t, x, highest)
         numbers[f"highest line, p = {force} [rad/s]"] = cycle_frequency

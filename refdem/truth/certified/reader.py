@@ -96,8 +96,8 @@ class CertifiedSet:
 
     `source` is the digest of the code that proved them, `job` that of all that was asked and of all
     code that had a part in the lines,
-    `versions` that of the packages; `witnessed` says who confirmed how many of the values and to
-    how many digits, None if nobody did;
+    `versions` that of the packages; `witnessed` has the witness, the number of values that it
+    confirmed and to how many digits, None without a witness;
     `not_certified` has the times at which nothing could be proved, and why.
     """
 
@@ -197,7 +197,7 @@ def problems_of_list(
         elif name not in listed:
             yield f"{name}: there, though {LIST} does not have it"
         elif listed[name] != there[name]:
-            # What is wrong inside the file is told in its own words where there are any.
+            # A fault within the file is reported by its own message, if there is one.
             yield problem(home / name) or f"{name}: not as {LIST} has it"
 
 

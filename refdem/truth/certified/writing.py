@@ -14,7 +14,7 @@ from refdem.truth.certified.reader import COLUMNS, FORMAT, LARGEST_RADIUS, sha25
 from refdem.truth.sampled import certified_scalars
 
 DIGITS = 36
-"""Digits to which the balls are asked for, two beyond PLACES: rounding then costs no place."""
+"""Digits to which the balls are requested, two beyond PLACES: rounding then costs no place."""
 PLACES = 34
 """Decimal places that are kept: the radius of the decimals is half a unit of the last place."""
 

@@ -177,9 +177,10 @@ SHAPING = (
 
 @dataclass(frozen=True)
 class Course:
-    """What a case must know of the impacts before it is run, rounded: their times [s], in order,
-    and for each the `waits` [s] since the last impact of one of its balls, infinite if they had
-    none.
+    """The rounded times [s] of the impacts, in order, which a case needs before it is run.
+
+    `waits` [s] has for each impact the time since the last one of either of its balls, infinite if
+    they had none.
     """
 
     times: tuple[float, ...]

@@ -82,8 +82,8 @@ def truth(p: Parameters, scale: Mapping[str, float]) -> Truth:
 
 
 def drawn_onto_wheel(y: Sequence[arb], t: float) -> str:
-    """What is said of a proof that ends at the time t [s] in the state y, where the string's speed
-    would bring the pendulum to the wheel within as much time again: the equations divide by r.
+    """The reason of a proof that ends at the time t [s] in the state y, if the string's speed would
+    bring the pendulum to the wheel within as much time again: the equations divide by r.
     """
     r, _, rdot, _ = (float(value.mid()) for value in y)
     if not r + rdot * t < 0:

@@ -1,4 +1,4 @@
-"""A motion from mode to mode, at one precision, as far as it is asked for; phases are kept.
+"""A motion from mode to mode, at one precision, as far as requested; phases are kept.
 
 The motions of a set enter a mode at times c that need not be equal: c is the clock coordinate of
 each at its entry, and its state at the time t is that of its own time t - c since the entry.

@@ -278,7 +278,7 @@ class EventProof(Guarded, Generic[Motion]):
         return bound
 
     def stretches(self, motion: Followed) -> Iterator[Stretch]:
-        """The pieces of a motion as stretches, made as they are asked for; the last one of a phase
+        """The pieces of a motion as stretches, made on demand; the last one of a phase
         ends with an event.
         """
         yield from self.system.approach(motion)

@@ -1,4 +1,4 @@
-"""The solution of y' = f(y) piece by piece, at one precision, as far as it is asked for; pieces are
+"""The solution of y' = f(y) piece by piece, at one precision, as far as requested; pieces are
 kept.
 
 Theorem (step): let the solution at the start of a piece lie in c + {A r} (moved.py), c being exact,
@@ -37,7 +37,7 @@ UNEQUAL = 80
 its entry (i, j) is proportional to w_i/w_j.
 """
 GUARD = 24
-"""Guard bits: coefficients are computed with so many bits more than asked for, against the rounding
+"""Guard bits: coefficients are computed with so many bits more than requested, against the rounding
 of their sums.
 """
 HALVINGS = 24
@@ -122,7 +122,7 @@ class Piece:
 
 
 class Chain(Guarded):
-    """Pieces of a solution one after another, each made when it is asked for.
+    """Pieces of a solution one after another, each made on demand.
 
     `field` and `slopes` are the programs of f and of its Jacobian; the set at the end of the last
     piece is `centre` + `spread`. The last `steady` coordinates change at a rate that is constant.

@@ -141,7 +141,7 @@ def rules_of(program: Program, table: list[Series]) -> list[tuple[Series, "Rule"
 
 PARTNERS = {"sin": "cos", "cos": "sin"}
 Rule = Iterator[arb]
-"""The coefficients of an operation, each asked for when it is the next one of its series and its
+"""The coefficients of an operation, each requested when it is the next one of its series and its
 arguments have theirs. A rule's arguments are a series, the ball of a constant, and the series of
 the operands.
 """

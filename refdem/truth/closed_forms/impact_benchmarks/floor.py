@@ -109,7 +109,7 @@ def apexes(floor: Floor, until: Number, flow: HybridFlow) -> dict[str, Ball]:
     """
 
     def heights(motion: HybridMotion) -> dict[str, arb]:
-        # The motion is followed as far as it is asked for.
+        # The motion is followed as far as requested.
         motion.at(arb_of(until))
         departures = [
             event for event in motion.events if event.name == "part" and event.time < arb_of(until)
