@@ -36,7 +36,7 @@ class ChartData:
     definition reads.
 
     `defaults` are engines, each with its colour and the step [s] that it takes where its user names
-    none.
+    none. `axes` are the two parameters of heat maps, each with its values.
     """
 
     kind: str
@@ -46,6 +46,7 @@ class ChartData:
     extents: dict[str, tuple[float, float]] = field(default_factory=dict)
     labels: tuple[str, ...] = ()
     defaults: tuple[tuple[str, str, float], ...] = ()
+    axes: tuple[tuple[str, tuple[str, ...]], ...] = ()
 
 
 def errors(contents: Contents, rows: Sequence[Row]) -> ChartData | None:
