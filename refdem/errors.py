@@ -18,7 +18,7 @@ class RefdemError(Exception):
 
 
 class UsageError(RefdemError):
-    """The caller asked for something that does not exist or is out of bounds."""
+    """The caller requested something that does not exist or is out of bounds."""
 
 
 class OutOfRangeError(UsageError, ValueError):
@@ -33,7 +33,7 @@ class SceneError(RefdemError):
 
 
 class EngineMissingError(RefdemError):
-    """An engine was asked for by name and is not installed."""
+    """An engine was requested by name and is not installed."""
 
 
 class StoreError(RefdemError):
@@ -73,9 +73,9 @@ class NotCertifiedError(RefdemError):
     grazing     a switch comes too near zero, and balls cannot tell whether it is met;
     corner      two switches come at one time, or too near to each other;
     separatrix  the start lies on a boundary between kinds of motion, or too near to it;
-    vertical    angles are asked for where they say nothing; the motion itself goes on;
-    jump        the time asked for is that of an impact, at which velocities have two values; the
-                motion itself goes on;
+    vertical    angles are requested where they are undefined; the motion itself continues;
+    jump        the requested time is that of an impact, at which velocities have two values; the
+                motion itself continues;
     precision   the bits are used up: more of them might go further;
     time        the steps, or the time, that are followed are used up: the motion goes on.
     """

@@ -24,18 +24,19 @@ MOST_FACTOR = 3.0
 """A forecast holds if it and the proof differ by no larger factor."""
 DIGITS = 40
 SOONEST = Fraction(1, 64)
-"""Part of its default duration that a motion is asked for at first: twice as much each time."""
+"""Fraction of its default duration at which a motion is evaluated first; it is doubled each time.
+"""
 DOUBLINGS = 16
 DEAR = 2.0
-"""CPU seconds that a forecast must say to be compared: less is measured too roughly."""
+"""Smallest forecast [CPU s] that is compared; shorter times are measured too roughly."""
 TOO_DEAR = 16.0
-"""CPU seconds beyond which nobody waits for the proof here."""
+"""Largest forecast [CPU s] of a proof that is made here."""
 PATIENCE = 4
-"""Times its forecast that a proof may take."""
+"""Largest ratio of the time of a proof to its forecast, after which it is stopped."""
 
 
 class TooLongError(Exception):
-    """A proof is too dear, or takes PATIENCE times what was forecast."""
+    """A proof is too expensive, or takes PATIENCE times its forecast."""
 
 
 @dataclass(frozen=True)
@@ -81,8 +82,9 @@ def stop(number: int, frame: FrameType | None) -> None:
 
 
 def compared(case: str, given: Mapping[str, str], t: Fraction) -> Comparison | None:
-    """The forecast of a value at t and its proof; None where the forecast says less than DEAR,
-    TooLongError where it says more than TOO_DEAR.
+    """The forecast of a value at t and its proof; None if the forecast is below DEAR.
+
+    Raises TooLongError if it is above TOO_DEAR.
     """
     truth = discovery.case(case).at(**given).truth()
     begun = process_time()
@@ -107,7 +109,7 @@ def compared(case: str, given: Mapping[str, str], t: Fraction) -> Comparison | N
 
 
 def comparison(case: str, rng: random.Random) -> Comparison | None:
-    """A forecast of a case at a random setting, at the first time that is dear enough."""
+    """A forecast of a case at a random setting, at the first time with a forecast above DEAR."""
     given = settings(rng, case)
     duration = discovery.case(case).at(**given).scales.duration or 1
     t = Fraction(duration) * SOONEST * Fraction(rng.randint(1000, 2000), 1000)

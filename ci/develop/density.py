@@ -150,7 +150,7 @@ def table(folders: list[Path], worst: int) -> str:
 
 
 def main() -> None:
-    """Prints the table of the folders asked for."""
+    """Prints the table of the requested folders."""
     parser = argparse.ArgumentParser(
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )

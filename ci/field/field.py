@@ -5,7 +5,7 @@ Codes that are not run now keep the results of their last run, with version and 
 usage: ci/field/field.py [--no-install] [--page] [NAME...]; without names all folders of
 validation/codes that have requirements of their own, of Python (requirements.in), of Node.js
 (package.json) or of Debian (debian.txt, with a Makefile), and the others that are there. A code
-whose packages cannot be installed is told of, and the others run. With --page nothing runs.
+whose packages cannot be installed is reported, and the others run. With --page nothing runs.
 """
 
 import argparse

@@ -306,8 +306,8 @@ def empty(codes: Sequence[Code]) -> str:
 
 
 def section(code: Code, out: Path) -> list[str]:
-    """What is told of one code: its badge, its scripts, and a part for each reason to deviate;
-    nothing where it has none of these.
+    """The section of one code: its badge, its scripts, and a part for each reason of a deviation;
+    empty if it has none of these.
     """
     parts = [f"## {code.name}"]
     if code.kept is not None:

@@ -14,7 +14,8 @@ from refdem.report.numbers import rounded
 from refdem.report.tolerance import TARGETS, Row, rows_of, worst_rows
 
 ACCURACY = TARGETS[0]
-"""The error, in units of a quantity's scale, at which times are told: what a picture needs."""
+"""The error, in units of a quantity's scale, at which times are reported: sufficient for a picture.
+"""
 
 
 class Run(msgspec.Struct, frozen=True, kw_only=True):

@@ -55,7 +55,7 @@ TRUTH_SECONDS = 3.0
 PAIR_SECONDS = 20.0
 """Seconds after which a proof, or a pair, is given up and counted."""
 REPEATED_SECONDS = 100.0
-"""The same of a proof where one pair alone is asked for."""
+"""The same limit where only one pair was requested."""
 DECADES = (0.5, 1.0, 3.0)
 """A setting multiplies its numbers by up to 10 to one of these powers, either way."""
 DRAWS = 200
@@ -146,7 +146,7 @@ class OutOfTimeError(BaseException):
 
 
 class ProofError(Exception):
-    """A proof ended with an exception that nobody caught: a fault of refdem."""
+    """A proof ended with an unhandled exception: a fault of refdem."""
 
 
 @contextlib.contextmanager
@@ -399,7 +399,7 @@ def judge(
         count.out_of_time += 1
         return
     except Exception:
-        # An exception that nobody caught is a fault of refdem: it counts, and the others go on.
+        # An unhandled exception is a fault of refdem: it is counted, and the other pairs continue.
         last = traceback.format_exc().splitlines()[-1]
         count.add_alarm(
             "EXCEPTION", f"{instance.label}/{engine.name}: {last}", instance, engine, method

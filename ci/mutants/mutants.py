@@ -271,8 +271,9 @@ class Judge:
             is_red_again = copy.tested([name], START + SLOWER * own[name], seconds=own).is_red
             if is_red_again and self._is_green(copy, site, text, own):
                 return name
-            # What fails only sometimes may do so by the mutant, which reads what nobody wrote: for
-            # this mutant it has no say. With the next one it may be the test itself.
+            # A test that fails only sometimes may do so because of the mutant, which reads
+            # uninitialised memory. It is then not counted for this mutant. If it recurs with the
+            # next mutant, the test itself may be flaky.
             if is_red_again or name in self.fickle:
                 self.spoiled.add(name)
             self.fickle.add(name)
@@ -359,9 +360,7 @@ def _split(ordered: Sequence[Executed]) -> tuple[list[Executed], list[Executed]]
 
 @cache
 def text_of(path: str) -> bytes:
-    """A file of the tree as it was when it was first asked for: what is written there meanwhile
-    belongs to the next run.
-    """
+    """The content of a file of the tree at the first call; later changes belong to the next run."""
     return (ROOT / path).read_bytes()
 
 
@@ -435,14 +434,14 @@ def drawn(only: Sequence[str], seed: int) -> list[tuple[Site, Group]]:
 
 
 def is_wanted(only: Sequence[str], group: Group, file: str) -> bool:
-    """True if nothing, the group or the file was asked for."""
+    """True if nothing was selected, or if the group or the file was."""
     return not only or any(
         group.name == word or file.endswith(word.partition(":")[0]) for word in only
     )
 
 
 def on_line(only: Sequence[str], site: Site) -> bool:
-    """True unless other lines of its file were asked for."""
+    """True unless other lines of its file were selected."""
     lines = [
         int(word.partition(":")[2])
         for word in only
@@ -611,7 +610,7 @@ def report(found: Sequence[Verdict]) -> str:
 
 
 def options() -> argparse.Namespace:
-    """What was asked for."""
+    """The options of the command line."""
     parser = argparse.ArgumentParser(
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )

@@ -40,11 +40,11 @@ COMMAND = (
 MEMORY = 16 * 2**30
 """[bytes] that a process of tests may ask for: a planted error may ask for all there is."""
 LAST = 12
-"""Lines of what a process says that are kept."""
+"""Number of lines of a process's output that are kept."""
 NOT_FOUND = 4
-"""Status of pytest if it does not have a test that it was asked for."""
+"""Exit status of pytest if a requested test does not exist."""
 MOMENT = 0.01
-"""[s] in which a process that was killed is gone."""
+"""Time [s] within which a killed process ends."""
 NEW_SECOND = 1_000_000_000
 """[s since 1970] of the first file written: Python tells versions of a file by whole seconds and
 size.
@@ -183,7 +183,7 @@ class TreeCopy:
         return True
 
     def _compiled(self, family: str, target: Path) -> bool:
-        """True if one object is made; the glue, which no one spoils, is made once."""
+        """True if one object is compiled; the glue, which has no mutants, is compiled once."""
         is_glue = target.stem.endswith("_glue")
         if is_glue and target.exists():
             return True
@@ -360,7 +360,7 @@ def _bounded() -> None:
 
 
 def _listed(tree: Path) -> set[str]:
-    """Files of a tree that git knows or could know, without what it is told to ignore."""
+    """Files of a tree that git tracks or could track, without ignored ones."""
     command = ["git", "ls-files", "-z", "--cached", "--others", "--exclude-standard"]
     done = subprocess.run(command, cwd=tree, check=True, capture_output=True, text=True)
     return {name for name in done.stdout.split("\0") if name and (tree / name).is_file()}

@@ -64,7 +64,7 @@ def wanted(extras: list[str]) -> list[str]:
 
 
 def locked(text: str) -> list[Locked]:
-    """All packages of a lock. Each begins a line; what else is said of it is indented."""
+    """All packages of a lock file. Each begins a line; its further lines are indented."""
     found = []
     for block in re.split(r"^(?=\w)", text, flags=re.MULTILINE):
         if "==" not in block:

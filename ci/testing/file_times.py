@@ -13,7 +13,7 @@ from typing import Any
 import pytest
 
 MOST = 20
-"""Files that are told."""
+"""Largest number of files that are reported."""
 COLLECTED = "(start and collection, in each process)"
 
 

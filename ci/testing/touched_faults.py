@@ -3,7 +3,7 @@ ci/testing/touched_faults.py [COMMIT].
 
 `all` where the change can touch every one of them, nothing where it can touch none, else their
 names, separated by commas. Without a commit it is the point at which this branch left the main one;
-where nobody knows that, everything may have changed.
+if that cannot be determined, everything may have changed.
 """
 
 import subprocess

@@ -22,7 +22,7 @@ class Beside:
         self.reasons: list[str | None] = []
 
     def __enter__(self) -> "Beside":
-        # -P: what is installed there, not a checkout that we stand in.
+        # -P: the installed refdem, not a checkout in the current folder.
         command = [str(self._python), "-P", "-m", "refdem.bench.interleaving"]
         self._process = subprocess.Popen(
             command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True
@@ -37,7 +37,7 @@ class Beside:
         self._process.wait()
 
     def begin(self, places: Sequence[Place]) -> None:
-        """Loads every place there and runs it once; `reasons` says why some cannot run."""
+        """Loads every place there and runs it once; `reasons` states why some cannot run."""
         self.reasons = self._asked(msgspec.json.encode(places).decode())
 
     def seconds(self, number: int) -> float:

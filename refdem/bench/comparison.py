@@ -1,8 +1,8 @@
-"""Two codes compared through their noise, slower or faster only beyond doubt: in turns on one
-machine, or by two records.
+"""Comparison of the run times of two codes despite noise: alternating on one machine, or by two
+records. A difference is reported only if it is statistically significant.
 
-In turns each round gives a pair, and what the machine does falls on both. Rounds of two records are
-in units of the yardstick of their round.
+In alternating runs each round gives a pair, and the load of the machine affects both. Rounds of two
+records are in units of the yardstick of their round.
 """
 
 import math
@@ -15,11 +15,11 @@ import msgspec
 from refdem.bench.record import BenchRecord, Curve
 
 CHANGE = 0.10
-"""A relative change of time that is smaller than this counts as no change."""
+"""Smallest relative change of time that counts as a change."""
 
 
 class Change(msgspec.Struct, frozen=True, kw_only=True):
-    """One curve in both records: the factor by which its time has grown, and what that says."""
+    """One curve in both records: the factor by which its time has grown, and the verdict."""
 
     key: tuple[str, str, str]
     factor: float
@@ -31,8 +31,8 @@ def compared(now: BenchRecord, then: BenchRecord) -> list[Change]:
     """The curves that both records have, at the levels that both have.
 
     Slower: every round now is slower than every round then, and the medians differ by more than
-    CHANGE. For n rounds each of equal codes, without drift, that happens once in C(2n, n): 1/252
-    for 5.
+    CHANGE. For n rounds each of equal codes, without drift, the probability of that is at most
+    1/C(2n, n): 1/252 for 5.
     """
     before = {curve.key: curve for curve in then.curves}
     changes = []
@@ -69,10 +69,11 @@ def _largest_growth(now: Curve, then: Curve, levels: set[float]) -> float:
 
 
 def compared_in_turns(record: BenchRecord) -> list[Change]:
-    """The curves that another installation ran in turns with this one.
+    """The curves that another installation ran alternating with this one.
 
-    Slower: slower in every pair, and by more than CHANGE in the median. For equal codes a side
-    happens at most once in 2^n for n pairs: 1/32 for 5, 1/128 for 7, and less by what CHANGE asks.
+    Slower: slower in every pair, and by more than CHANGE in the median. For equal codes, slower and
+    faster each have a probability of at most 2^-n for n pairs: 1/32 for 5, 1/128 for 7. CHANGE
+    reduces it further.
     """
     changes = []
     for curve in record.curves:
@@ -142,8 +143,8 @@ def verdict(now: Sequence[float], then: Sequence[float]) -> str:
 
 
 def false_alarm_rate(record: BenchRecord) -> float | None:
-    """Part of comparisons of a code with itself that call it slower or faster: every split of its
-    rounds in two; None below 8 rounds.
+    """Fraction of comparisons of a code with itself with the verdict slower or faster, over every
+    split of its rounds in two; None below 8 rounds.
     """
     alarms = 0
     total = 0

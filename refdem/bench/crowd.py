@@ -1,5 +1,5 @@
-"""What a body and a step cost in a gas of many spheres, beside codes made for such: interleaved
-rounds, medians, one thread.
+"""Run time per body and step in a gas of many spheres, compared with codes made for such gases:
+interleaved rounds, medians, one thread.
 """
 
 import statistics
@@ -14,12 +14,13 @@ from refdem.bench.tables import Table, two
 from refdem.core import discovery
 
 LONG = 0.3
-"""Seconds that a round of the slowest runs takes about: a run has as many steps as fit."""
+"""Approximate duration [s] of a round of the slowest runs, from which the number of steps follows.
+"""
 FEWEST_STEPS = 20
-"""Steps of the shortest run: starting costs of a run are then a small part of its time."""
+"""Smallest number of steps of a run, so that the start is a small part of its time."""
 STEPS_PER_TAU = 5
-"""Steps in the characteristic time tau of the gas, at least: the resolution of practice, since the
-crowd compares speed and not accuracy.
+"""Smallest number of steps per characteristic time tau of the gas. It is that of common practice,
+since speed is compared and not accuracy.
 """
 LAWS = {"smooth": {"friction": "0"}, "rough": {"friction": "1/2"}}
 
@@ -41,7 +42,7 @@ class Cost:
 
     @property
     def ratio(self) -> float:
-        """How many times as dear as the reference: the median of the rounds."""
+        """The cost in units of that of the reference: the median over the rounds."""
         pairs = zip(self.rounds, self.beside, strict=True)
         return statistics.median(seconds / other for seconds, other in pairs)
 
@@ -49,7 +50,7 @@ class Cost:
 def costs(
     sizes: Sequence[int], rounds: int = 5, progress: Callable[[str], None] = lambda line: None
 ) -> list[Cost]:
-    """The cost of every gas of so many spheres in every code that is installed and can move it."""
+    """The cost of every gas of these sizes in every installed code that supports it."""
     all_costs = []
     for n in sizes:
         for law, given in LAWS.items():

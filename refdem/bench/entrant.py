@@ -1,5 +1,5 @@
-"""One method of one engine on one instance: it runs a level and says how wrong and how long it
-was.
+"""One method of one engine on one instance, which runs a level and returns its errors and its run
+time.
 """
 
 from dataclasses import dataclass
@@ -40,7 +40,7 @@ class Entrant:
         return Request(problem=problem, method=self.method.name, **control)
 
     def run(self, level: float) -> tuple[Trajectory, Cost]:
-        """One run; raises EngineError if the samples are not those asked for."""
+        """One run; raises EngineError if the samples are not the requested ones."""
         request = self.request(level)
         trajectory, cost = self.engine.run(request)
         request.refuse_misaligned(trajectory.t, self.method.round_off)

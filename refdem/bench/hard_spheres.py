@@ -14,11 +14,11 @@ from refdem.scene.elements.contact import Contact
 from refdem.scene.elements.plane import Plane
 
 PARTS = (0.01, 0.3, 0.4)
-"""Parts of the box that spheres fill: a gas, and two fluids."""
+"""Filled fractions of the box: a gas, and two fluids."""
 IMPACTS = 50_000
-"""About how many impacts a round has: too many for the method to list them; it counts them."""
+"""Approximate number of impacts of a round; the method counts them instead of listing them."""
 LEAST_GAP = 1.02
-"""Diameters between the places of the lattice on which they start, at least."""
+"""Smallest distance of the lattice points at which spheres start, in diameters."""
 
 
 @dataclass(frozen=True)
@@ -36,7 +36,7 @@ def box_of_spheres(n: int, part: float) -> Scene:
     """
     # The least cube of cells that has one for each sphere.
     cells_a_side = int(np.ceil(np.cbrt(n) - 1e-9))
-    # n spheres of volume pi/6 are this part of the box.
+    # Volume of the box: n spheres of volume pi/6 fill the fraction `part`.
     volume = n * np.pi / 6 / part
     box_side = max(float(np.cbrt(volume)), LEAST_GAP * cells_a_side)
     cells = np.indices((cells_a_side, cells_a_side, cells_a_side)).reshape(3, -1).T[:n]
@@ -64,16 +64,17 @@ def box_of_spheres(n: int, part: float) -> Scene:
 SPACING = 1.1
 """Diameters between the places of a cage: no sphere fits through the gap between four of it."""
 HEAVY = 1e9
-"""Mass of a sphere of a cage, those within being 1: ten million impacts move it by a hundredth of a
-diameter."""
+"""Mass of a sphere of a cage, in units of those inside: ten million impacts move it by a hundredth
+of a diameter."""
 
 
 def caged_spheres(along: int, friction: float) -> Scene:
     """Rough elastic spheres of unit diameter on a cubic lattice, alone in space. The heavy ones on
     the surface of the lattice form a cage, in which the others move and spin.
 
-    Nothing acts from outside and no sphere escapes: impacts go on without end, while momentum and
-    angular momentum stay. Planes and a periodic box would change the angular momentum.
+    There are no external forces and no sphere escapes, so that impacts continue without end while
+    momentum and angular momentum are conserved. Planes or a periodic box would change the angular
+    momentum.
     """
     cells = np.indices((along, along, along)).reshape(3, -1).T
     is_cage = np.any((cells == 0) | (cells == along - 1), axis=1)
@@ -107,7 +108,7 @@ def rates(
         for part in PARTS:
             progress(f"{n} hard spheres, {part:g} of the box")
             scene = box_of_spheres(n, part)
-            # A short run tells how long one of IMPACTS is.
+            # The impact rate of a short run gives the duration of one with IMPACTS impacts.
             short = 1e-2 / part / np.cbrt(n)
             impacts, _ = _seconds(scene, short)
             while impacts < IMPACTS / 100:

@@ -1,5 +1,5 @@
-"""The other installation of a paired comparison: `python -m refdem.bench.interleaving` in it makes
-the runs that are asked for, one at a time.
+"""The other installation of a paired comparison: there `python -m refdem.bench.interleaving` makes
+the requested runs, one at a time.
 
 Lines of JSON: first a list of places, answered by null or a reason not to run for each; then the
 number of a place, answered by seconds.
@@ -65,7 +65,7 @@ def serve(lines: TextIO, answers: TextIO) -> None:
 
 
 def _seconds(engine: Engine, request: Request, first: float) -> float:
-    """The seconds of a run now; `first` is what it took once."""
+    """The seconds of a run now; `first` are those of its first run."""
     return median_cost(lambda: engine.run(request)[1], first).seconds
 
 

@@ -1,5 +1,5 @@
-"""Refinement until a method has no more to show, then all of its levels again and again,
-interleaved with those of the others.
+"""Refinement of each method down to the floor of its error, then repeated timing of all levels,
+interleaved with those of other methods.
 """
 
 import gc
@@ -19,27 +19,27 @@ from refdem.errors import RefdemError
 from refdem.kernels import repeated
 
 ENOUGH = 1e-14
-"""An error that no refinement improves."""
+"""Error, in units of the scale, below which a method is not refined further."""
 MIN_ROUND = 2e-3
 """Runs shorter than this [s] are repeated within a round, as a clock and a cache that is cold would
 be seen; the median counts.
 """
 MOST_INNER = 15
-"""Runs of a round at most: a median of 15 is steady, and more would only make the bench longer."""
+"""Largest number of runs in a round; the median of 15 is stable enough."""
 MIN_READING = 1e-4
 """Runs shorter than this [s] are repeated within one reading of the clock too, where the engine
 allows it, until they have taken as long: what Python does between two runs leaves caches cold,
 which would cost a run of a microsecond as much again.
 """
 MOST_REPEATS = 100
-"""Repeats within one reading at most: as many as MIN_READING asks of a run of a microsecond."""
+"""Largest number of repeats within one reading: MIN_READING over a microsecond."""
 WORK = b"\0" * (1 << 20)
 Other = Callable[[int], float | None]
 
 
 @dataclass
 class Measured:
-    """What is known of an entrant: each level's errors, first set-up, and rounds of costs."""
+    """The measurements of an entrant: each level's errors, first set-up, and rounds of costs."""
 
     entrant: Entrant
     errors: dict[float, dict[str, float]] = field(default_factory=dict)
@@ -82,11 +82,11 @@ class Measured:
 
 
 def refined(entrant: Entrant, truth: SampledTruth, *, longest: float) -> Measured:
-    """Runs level by level until the error is ENOUGH, has stopped to fall, or a run takes more than
-    `longest` [s].
+    """Runs level by level until the error is at most ENOUGH, no longer decreases, or a run takes
+    more than `longest` [s].
 
-    A coarse level at which the engine breaks down is left out; if it breaks at all of them, the
-    last reason is the refusal.
+    A coarse level at which the engine fails is left out; if it fails at all of them, the last
+    reason is the refusal.
     """
     measured = Measured(entrant)
     best = float("inf")
@@ -179,9 +179,7 @@ def median_cost(run: Callable[[], Cost], first: float) -> Cost:
 
 
 def _yardstick() -> float:
-    """Seconds of a fixed piece of work, the median of 5: what this machine is worth at this
-    moment.
-    """
+    """Seconds of a fixed piece of work, the median of 5: the current speed of this machine."""
     times = []
     for _ in range(5):
         started = perf_counter()
@@ -192,7 +190,7 @@ def _yardstick() -> float:
 
 @contextmanager
 def _no_collection() -> Iterator[None]:
-    """No garbage collector between two readings of the clock."""
+    """Disables the garbage collector within this context, between two readings of the clock."""
     was = gc.isenabled()
     gc.disable()
     try:

@@ -1,4 +1,4 @@
-"""Peak memory of a run, seen from a process of its own."""
+"""Peak memory of a run, measured in a separate process."""
 
 import multiprocessing
 from collections.abc import Sequence
@@ -17,8 +17,8 @@ def peaks(runs: Sequence[tuple[str, bool, Request, Request]]) -> list[int | None
     """Bytes by which each finest run lifts the peak of resident memory, after the coarsest has
     loaded everything.
 
-    For (address of the engine, is it a peer, coarsest, finest request); None where the system does
-    not say, or the run fails there.
+    Each run is (address of the engine, is it a peer, coarsest request, finest request). The result
+    is None where the system does not report the peak, or the run fails.
     """
     jobs = [(engine, peer, coarse.packed(), fine.packed()) for engine, peer, coarse, fine in runs]
     if not jobs or not RESET.exists():
@@ -41,13 +41,13 @@ def _peak(name: str, is_peer: bool, coarse: bytes, fine: bytes) -> int | None:
         reset_peak()
         before = resident("VmRSS")
         engine.run(request)
-    except Exception:  # a run that fails here has said so in its curve
+    except Exception:  # the failure of a run is reported in its curve
         return None
     return max(0, resident("VmHWM") - before)
 
 
 def reset_peak() -> None:
-    """Lets the peak of this process start again from what it holds now (Linux, proc(5))."""
+    """Resets the peak memory of this process to its current memory (Linux, proc(5))."""
     RESET.write_text("5")
 
 

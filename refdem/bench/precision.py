@@ -1,4 +1,6 @@
-"""From points to what they say: order, error constant, growth, and the time to an error."""
+"""Results that follow from the points of a curve: order, error constant, growth, and the time to
+reach an error.
+"""
 
 import math
 import statistics
@@ -9,11 +11,11 @@ from refdem.bench.record import Growth, Point, Reach
 from refdem.core.trajectory import Cost
 
 CLEAR = 30.0
-"""A pair of levels shows truncation if the finer error is so many times the least error of the
-curve.
+"""Least ratio of the finer error of a pair of levels to the least error of the curve at which the
+pair shows truncation.
 """
 ROUND_OFF = 1e-12
-"""And if it is above this: what round-off adds up to in runs as long as those of a bench."""
+"""Accumulated round-off in runs as long as those of a bench; smaller errors show no truncation."""
 
 
 def seconds(point: Point) -> float:
@@ -29,8 +31,9 @@ def seconds_of(costs: Sequence[Cost]) -> float:
 def reach(points: Sequence[Point], target: float) -> Reach | None:
     """Seconds to an error of `target`; None if no point is as good.
 
-    On a straight line in logarithms between the first point that meets it and the one before, round
-    by round; a first point, and one that is not dearer than the one before it, stands for itself.
+    It is interpolated linearly in log(seconds) and log(error) between the first point that meets
+    the target and the one before, round by round. The first point of a curve, and one that takes no
+    longer than the one before, is taken as it is.
     """
     meets = next((k for k, point in enumerate(points) if point.error <= target), None)
     if meets is None:
@@ -50,7 +53,8 @@ def _crossing(points: Sequence[Point], meets: int, target: float, number: int) -
     late = after.rounds[number]
     if not (after.error > 0 and early < late):
         return late
-    # How far along the line, in logarithms, from the point before to the one that meets it.
+    # Fraction of the line, in logarithms, from the point before to the one that meets the target:
+    # log(e_0/e)/log(e_0/e_1).
     part = math.log(before.error / target) / math.log(before.error / after.error)
     met: float = early * (late / early) ** part
     return met
@@ -59,8 +63,9 @@ def _crossing(points: Sequence[Point], meets: int, target: float, number: int) -
 def error_within(points: Sequence[Point], budget: float) -> float | None:
     """The error that a method reaches in `budget` seconds; None if its cheapest level takes longer.
 
-    On a straight line in logarithms between the last point that is not dearer and the next one,
-    of the medians; beyond the last point, and where errors fall no more, the least so far.
+    It is interpolated linearly in the logarithms of the medians between the last point within the
+    budget and the next one. Beyond the last point, and where errors no longer decrease, it is the
+    least error so far.
     """
     affordable = [k for k, point in enumerate(points) if seconds(point) <= budget]
     if not affordable:
@@ -73,7 +78,8 @@ def error_within(points: Sequence[Point], budget: float) -> float | None:
     after = points[last + 1]
     if not 0 < after.error < before.error:
         return least
-    # How far along the line, in logarithms, from the point before to the one that is too dear.
+    # Fraction of the line, in logarithms, from the point before to the one beyond the budget:
+    # log(s/s_0)/log(s_1/s_0).
     part = math.log(budget / seconds(before)) / math.log(seconds(after) / seconds(before))
     between: float = before.error * (after.error / before.error) ** part
     return min(least, between)

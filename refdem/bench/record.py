@@ -1,5 +1,5 @@
-"""What a bench finds: points on a curve of error and time, a curve a method, a record of all of
-them.
+"""The results of a bench: points of error and time, a curve of points for each method, and a record
+of all curves.
 """
 
 from pathlib import Path
@@ -10,11 +10,11 @@ from refdem.core.reading import content
 from refdem.errors import UNREADABLE, UsageError
 
 TARGETS = (1e-3, 1e-6, 1e-9, 1e-12)
-"""Errors, in units of each quantity's scale, to which a time is asked for."""
+"""Errors, in units of each quantity's scale, for which the time to reach them is reported."""
 
 
 BUDGETS = (1e-4, 1e-3, 1e-2)
-"""Times [s] for which an error is asked: equal work of all methods."""
+"""Times [s] for which the error reached within them is reported: equal work of all methods."""
 
 
 class Point(msgspec.Struct, frozen=True, kw_only=True):
@@ -79,7 +79,7 @@ class Curve(msgspec.Struct, frozen=True, kw_only=True):
 
     @property
     def key(self) -> tuple[str, str, str]:
-        """What a curve is found by in another record."""
+        """The key by which a curve is found in another record."""
         return self.label, self.engine, self.method
 
 

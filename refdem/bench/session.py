@@ -56,7 +56,7 @@ class Bench:
     beside: Path | None = None
 
     def record(self) -> BenchRecord:
-        """Everything measured; raises UsageError if no method can run any of the cases."""
+        """The record of all measurements; raises UsageError if no method can run any case."""
         specification = Specification(
             name="bench", case=self.cases, engines=self.engines, method=self.method
         )
@@ -112,7 +112,7 @@ class Bench:
         """The methods of an engine that answer problems of this kind, with the levels they run
         at, or why they do not run.
         """
-        # What a peer or the reference does not run is left out of the tables.
+        # Refusals of a peer or of the reference are left out of the tables.
         is_silent = is_peer or engine.is_reference
         entrants = []
         for method in methods:
@@ -205,7 +205,7 @@ class Bench:
         )
 
     def _growth(self, measured: Measured) -> list[Growth]:
-        """Time against steps, and against the parameter asked for at the finest level."""
+        """Time against steps, and against the requested parameter at the finest level."""
         entrant = measured.entrant
         level = next(reversed(measured.errors))
         curves = []
@@ -277,7 +277,7 @@ def sampled_truth(instance: Instance, entrants: list[Entrant]) -> SampledTruth:
     delays: set[float] = set()
     for entrant in entrants:
         delays |= {entrant.method.delay(level) for level in entrant.levels}
-    # A method that is late by nothing needs no samples of its own.
+    # A method without delay needs no additional samples.
     delays.discard(0.0)
     truth = None
     if not delays:

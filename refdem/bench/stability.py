@@ -18,7 +18,7 @@ BISECTIONS = 12
 
 def stability_limit(entrant: Entrant) -> tuple[float | None, str]:
     """The limit as a multiple of 2/omega = 2 tau and a note; infinite if no step up to LAST is
-    unstable; None where it is not asked.
+    unstable; None if the method has none.
 
     Where the shortest multiple is unstable already the limit is 0.
     """

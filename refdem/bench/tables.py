@@ -1,5 +1,5 @@
-"""A record as tables of text: time to each error, ratios to the best peer, and what else was seen
-of each method.
+"""A record as tables of text: time to each error, ratios to the best peer, and further results of
+each method.
 """
 
 import math

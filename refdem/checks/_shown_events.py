@@ -109,8 +109,8 @@ def changes(t: Array, before: Iterable[bool], after: Iterable[bool]) -> list[flo
 
 
 def untold(shown: list[ShownEvent], told: list[Event], late: float) -> ShownEvent | None:
-    """The first shown event that is not among those told of one of its bodies by `late` [s] after
-    its sample; None if all are.
+    """The first shown event that is not among those reported for one of its bodies by `late` [s]
+    after its sample; None if all are.
     """
     for event in sorted(shown, key=lambda event: event.by):
         of_bodies = [

@@ -62,7 +62,7 @@ from refdem.errors import NotCertifiedError
 from refdem.scene.singularity import JUMP
 
 MOST_BODIES = 100
-"""Bodies of a scene up to which derivatives are asked for."""
+"""Largest number of bodies of a scene for which derivatives are requested."""
 PARTS = (0.25, 0.5, 0.75, 1.0)
 """Parts of the certified motion after which derivatives are judged."""
 DIFFERENCES = 2.0**-36
@@ -221,8 +221,8 @@ class Gradient(Check):
 def _lacking(
     subject: Subject, runs: Mapping[Variant, CompletedRun], matrix: CertifiedMatrix
 ) -> Finding | None:
-    """The failure of a run that has no derivatives by some number that was asked for, or has such
-    as overflow; None if there is none.
+    """The failure of a run that lacks the derivatives by some requested number, or whose
+    derivatives overflow; None if there is none.
     """
     for number in matrix.numbers:
         rates = _rates(subject, matrix, number) or {}

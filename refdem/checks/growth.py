@@ -171,7 +171,7 @@ def _part(position: Array, velocity: Array, scene: Scene, second: complex) -> Co
 
 
 def _start_of(scene: Scene, second: complex) -> complex:
-    """a(0) [m/s], of the start as it was asked for."""
+    """a(0) [m/s], of the requested start."""
     return complex(_part(scene.bodies.position, scene.bodies.velocity, scene, second)[0])
 
 

@@ -24,7 +24,7 @@ SATURATED = 0.01
 motion.
 """
 LONG = 100.0
-"""Duration in tau below which a regular motion cannot be told from a chaotic one."""
+"""Duration in tau below which a regular motion cannot be distinguished from a chaotic one."""
 FEWEST = 9
 """Smallest number of samples from which an exponent is fitted."""
 CLEAR = 1.5

@@ -13,10 +13,10 @@ from types import FrameType
 from refdem.errors import RefdemError
 
 INTERRUPTED = 130
-"""128 + SIGINT; typer turns an interrupt into this status and says nothing."""
+"""128 + SIGINT; typer turns an interrupt into this status without a message."""
 UNREAD = 141
-"""128 + SIGPIPE, as a shell says of any program whose reader went away: neither "all held" nor "a
-check failed".
+"""128 + SIGPIPE, the status that a shell reports for a program whose output pipe was closed. It
+means neither "all held" nor "a check failed".
 """
 BAD_INPUT = 2
 """Exit status where the input is wrong, as of argparse."""
@@ -41,7 +41,7 @@ OF_THE_SYSTEM = {
     errno.ENFILE,
     errno.EBADF,
 }
-"""Errors of files that are not refdem's own fault."""
+"""Errors of the operating system for files that are not caused by refdem."""
 
 
 def main() -> None:
@@ -51,7 +51,7 @@ def main() -> None:
     broke, 130 interrupted (143 and 129 by SIGTERM and SIGHUP), 141 unread.
     """
     _open_streams()
-    # Whoever closed them does not want to read them.
+    # A closed stream is replaced by one that discards its output.
     sys.stdout = sys.stdout or open(os.devnull, "w")  # noqa: SIM115
     sys.stderr = sys.stderr or open(os.devnull, "w")  # noqa: SIM115
     _write_messages_at_once()
@@ -71,7 +71,7 @@ def main() -> None:
                 if heard:
                     status = 128 + heard[0]
                 sys.exit(status)
-            # What is still in a buffer is written here, where it can fail with a sentence.
+            # Buffered output is flushed here, where a failure can be reported in a sentence.
             sys.stdout.flush()
             raise
     except RefdemError as error:
@@ -84,26 +84,28 @@ def main() -> None:
 
 
 def _open_streams() -> None:
-    """Leads standard input, output and error into nothing where they are closed: else the next file
-    that is opened would be one of them, here and in the processes that are started.
+    """Opens /dev/null as standard input, output or error if one of these is closed.
+
+    Otherwise the next file that is opened, here or in a child process, would get its descriptor.
     """
     for stream in (0, 1, 2):
         try:
             os.fstat(stream)
         except OSError:
-            # The system gives the lowest number that is free, which is this one.
+            # The system assigns the lowest free descriptor, which is this one.
             os.set_inheritable(os.open(os.devnull, os.O_RDWR), True)
 
 
 def _write_messages_at_once() -> None:
-    """Keeps nothing of standard error in a buffer.
+    """Makes standard error unbuffered.
 
-    What a full disk refused would stay there: every later flush would fail with it, that of a
-    process that starts another among them, and Python's last one would change the exit status.
+    Output that a full disk refuses would otherwise stay in the buffer. Every later flush would fail
+    on it, including the one before a process is started, and Python's flush at exit would change
+    the exit status.
     """
     buffered = sys.__stderr__
     if buffered is None or sys.stderr is not buffered:
-        # Somebody else put another there, such as the tests or a notebook.
+        # The stream was replaced, for example by the tests or a notebook.
         return
     unbuffered = open(buffered.fileno(), "wb", buffering=0, closefd=False)  # noqa: SIM115
     sys.stderr = io.TextIOWrapper(
@@ -112,7 +114,7 @@ def _write_messages_at_once() -> None:
 
 
 def _refused_by_the_system(error: OSError) -> None:
-    """Ends with one sentence where a file cannot be written or read and refdem is not to blame."""
+    """Ends with one sentence for a file that the operating system does not let refdem access."""
     if _is_nowhere():
         _tell("the current folder no longer exists; change to an existing folder")
         sys.exit(BAD_INPUT)
@@ -128,7 +130,7 @@ def _refused_by_the_system(error: OSError) -> None:
 
 
 def _is_nowhere() -> bool:
-    """Whether the current folder has been taken away, so that no relative path leads anywhere."""
+    """Whether the current folder has been deleted, so that relative paths are invalid."""
     try:
         os.getcwd()
     except OSError:
@@ -137,7 +139,7 @@ def _is_nowhere() -> bool:
 
 
 def _run() -> None:
-    """The command; an interrupt while it is still being loaded ends as one of its work does."""
+    """Runs the command; an interrupt while it is being imported ends like one during its work."""
     try:
         from refdem.cli.app import app
     except KeyboardInterrupt:
@@ -147,14 +149,13 @@ def _run() -> None:
 
 @contextmanager
 def _listening(heard: list[int]) -> Iterator[None]:
-    """Turns signals that end a program into an interrupt, and notes which one it was."""
+    """Turns signals that end a program into an interrupt, and records which one it was."""
 
     def interrupt(number: int, _: FrameType | None) -> None:
         heard.append(number)
         raise KeyboardInterrupt
 
-    # A shell that says `nohup` wants the signal ignored, and another thread than the first cannot
-    # ask for any.
+    # Under `nohup` the signal is to stay ignored. Only the main thread can set signal handlers.
     is_first = threading.current_thread() is threading.main_thread()
     numbers = [getattr(signal, name) for name in ENDING if is_first]
     ending = [number for number in numbers if signal.getsignal(number) is signal.SIG_DFL]
@@ -168,7 +169,7 @@ def _listening(heard: list[int]) -> Iterator[None]:
 
 
 def _broken(error: Exception) -> None:
-    """Ends with a status that is no verdict; where the details are is said in one sentence."""
+    """Ends with the status of an internal error and a sentence on where the details are."""
     import traceback
 
     from refdem.core.store import default_path
@@ -197,6 +198,6 @@ def _tell(text: str) -> None:
 
 
 def _silence() -> None:
-    """Lets Python's own last flush of a standard output that cannot be written say nothing."""
+    """Prevents an error message from Python's flush of standard output at exit."""
     with suppress(OSError, ValueError, AttributeError):
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())

@@ -16,11 +16,11 @@ if TYPE_CHECKING:
     from refdem.report.contents import Contents
 
 MOST_DIGITS = 15.0
-"""More than these binary64 does not have."""
+"""Largest number of digits that can be requested: binary64 has no more."""
 MOST_ROWS = 40
-"""Settings that a table shows one by one: a screen of them."""
+"""Largest number of settings that a table shows separately, one screen of them."""
 CHECKS = ("error", "order")
-"""Checks whose runs tell the error at every step, and how it falls."""
+"""Checks whose runs measure the error at every step and its order."""
 
 
 def command(
@@ -68,7 +68,7 @@ def command(
     if json:
         print_json(digits, found, losses, advice.without(contents))
     else:
-        # Names of engines and methods may come from a file.
+        # Names of engines and methods may come from a file, which is not trusted.
         printed = lines(contents, digits, found, losses)
         print("\n".join(shown(line) for line in printed))
     if not found:
@@ -77,8 +77,9 @@ def command(
 
 
 def asked(cases: list[str], pairs: list[str], motion: str) -> "Specification":
-    """The cases named, or those of campaign main in which something happens; raises UsageError for
-    neither, both, or a motion that does not exist.
+    """The named cases, or those of the campaign main with the kind of motion `motion`.
+
+    Raises UsageError for neither, both, or an unknown kind of motion.
     """
     import msgspec
 
@@ -113,10 +114,10 @@ def asked(cases: list[str], pairs: list[str], motion: str) -> "Specification":
 
 
 def labels_found(texts: list[str]) -> list[str]:
-    """The labels among the texts as they are, and the ids of the cases that the other texts find:
-    all of these words together, or else each of them.
+    """The labels among the texts unchanged, and the ids of the cases that match the other texts.
 
-    A text that finds nothing stays as it is.
+    A case must match all of these words; if none does, the cases that match each word are taken. A
+    text without a match is returned unchanged.
     """
     from refdem.core import discovery
 
@@ -132,7 +133,7 @@ def labels_found(texts: list[str]) -> list[str]:
 
 
 def motions_about(text: str) -> list[str]:
-    """Ids of the cases with parameters of their own, no selections, that a text finds."""
+    """Ids of the cases, without selections, that match a text."""
     from refdem.core import discovery
     from refdem.core.case import Canonical
 
@@ -147,7 +148,7 @@ def measured(
     jobs: int | None,
     checks: tuple[str, ...],
 ) -> "Contents":
-    """What a campaign of these cases measures, from the store where nothing has changed."""
+    """The results of a campaign of these cases; unchanged runs are read from the store."""
     import msgspec
 
     from refdem.cli.progress import Progress
@@ -189,8 +190,8 @@ def lines(
 
 
 def unmeasured(contents: "Contents") -> list[str]:
-    """For every engine in how many settings none of its methods was measured, then a line a reason,
-    with the cases that have it.
+    """For every engine the number of settings in which none of its methods was measured, then one
+    line for each reason, with the cases to which it applies.
     """
     from refdem.report import advice
 
@@ -289,14 +290,14 @@ def table(found: "list[Recommendation]") -> list[str]:
 
 
 def hardest(held: "Iterable[Choice]") -> "list[Choice]":
-    """The choice of each case and method that asks most: the most steps per tau, or the smallest
-    tolerance, and of equals the one that costs most.
+    """The most demanding choice for each case and method: the most steps per tau, or the smallest
+    tolerance, and among equals the highest cost.
     """
 
     def asks(choice: "Choice") -> tuple[float, float]:
         if choice.steps_per_tau is not None:
             return choice.steps_per_tau, choice.cost
-        # An exact method has no level; a smaller tolerance asks for more.
+        # An exact method has no level; a smaller tolerance is more demanding.
         return -(choice.level or 0.0), choice.cost
 
     of_case: dict[tuple[str, str], Choice] = {}
@@ -347,7 +348,7 @@ def lost(loss: "Loss") -> str:
 
 
 def shown(line: str) -> str:
-    """A line as a terminal may have it: nothing in it moves the cursor or changes a colour."""
+    """A line without control characters, which could move the cursor or change colours."""
     return "".join(c if c.isprintable() else "?" for c in line)
 
 

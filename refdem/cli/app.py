@@ -19,7 +19,7 @@ app = typer.Typer(
 
 
 def _version(is_asked: bool) -> None:
-    """Prints the version and ends, if it was asked for."""
+    """Prints the version and ends, if it was requested."""
     if is_asked:
         from refdem import __version__
 

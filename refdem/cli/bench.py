@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
 TITLE = "Run time against error"
 FEWEST_SPHERES = 100
-"""Smallest number of spheres: fewer spend their time in the calls and not in the contacts."""
+"""Smallest number of spheres; with fewer the overhead of calls dominates the time of contacts."""
 
 
 # The options of the command, in the order of its help.
@@ -95,7 +95,7 @@ def command(
     for label in case or ["pendulum"]:
         name, parameters_of_label = labelled(label)
         entries.append(Entry(name, parameters_of_label | parameters))
-    # Either another Python, which runs in turns with this one, or an earlier record.
+    # Either another Python, whose runs alternate with those of this one, or an earlier record.
     beside = runnable(against)
     earlier = None
     if against and not beside:
@@ -142,7 +142,7 @@ def finish(
 
 
 def runnable(against: Path | None) -> Path | None:
-    """The path if it is a program, which is then another Python; None for a record."""
+    """The path if it is executable, and so another Python; None for a record."""
     if against and os.access(against, os.X_OK):
         return against
     return None

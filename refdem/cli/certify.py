@@ -86,7 +86,7 @@ def checked(folder: Path, cases: list[str], *, each: int, seed: str, jobs: int) 
 
 
 def _refuse_unknown(cases: list[str], known: set[str], folder: Path) -> None:
-    """Raises UsageError for a case that the store has no set of, and for a store without any:
+    """Raises UsageError for a case without a set in the store, and for an empty store, since
     nothing would be checked.
     """
     from refdem.core.parameters import nearest

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from refdem.report.contents import Contents
 
 LAWS = ("momentum", "angular-momentum", "energy")
-"""Checks of what a motion keeps, in the order of the columns."""
+"""Checks of conservation laws, in the order of the columns."""
 WORDS = {
     "pass": "holds",
     "fail": "FAILS",
@@ -23,7 +23,7 @@ WORDS = {
     "undecided": "undecided",
     "unsupported": "not supported",
 }
-"""What a column says of the worst outcome of a law."""
+"""The text of a column for the worst outcome of a law."""
 
 
 def command(
@@ -146,7 +146,7 @@ def cost_of(cost: float) -> str:
 
 
 def law_of(record: "Record", law: str) -> str:
-    """What a record says of a law: its worst outcome."""
+    """The worst outcome of a law in a record, as text."""
     from refdem.core.finding import WORST_FIRST
 
     outcomes = {finding.outcome for finding in record.findings if finding.check == law}
@@ -157,8 +157,10 @@ def law_of(record: "Record", law: str) -> str:
 
 
 def answer(contents: "Contents", digits: float) -> str:
-    """One sentence: the method that holds the digits in most settings, of these at the least cost,
-    and beside it the best method of each other engine; empty if nothing was measured.
+    """One sentence: the method that holds the digits in the most settings, among these the
+    cheapest, and the best method of each other engine for comparison.
+
+    It is empty if nothing was measured.
     """
     from refdem.report.advice import choices, recommendations
 

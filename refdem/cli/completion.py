@@ -26,7 +26,7 @@ def motions(incomplete: str) -> list[str]:
 
 
 def known_motions() -> list[str]:
-    """What can happen in a case that is judged by its motion."""
+    """The kinds of motion of the cases that are motions."""
     from refdem.core.case import Moving
 
     return [name for name in get_args(Moving) if name not in ("formula", "other")]

@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from refdem.diagnosis.twins import Diagnosis, Twin
 
 SECOND_OPINION = 30.0
-"""Run time [s] after which no more known faults are tried where misread numbers explain a run."""
+"""Limit on the run time [s] for trying known faults if misread numbers explain the run."""
 MAX_TWINS = 5
 """Number of nearest twins that are printed; the others differ far more from the run."""
 
@@ -100,12 +100,13 @@ def parts_of(record: str) -> tuple[str, str, str]:
 def diagnosed(
     instance: "Instance", engine: "Engine", method: str, level: int, seconds: float
 ) -> "tuple[Diagnosis, Misreading | None, float | None]":
-    """The diagnosis of one run, made anew, the numbers that it has misread (None where none explain
-    it), and its step; raises EngineError if the engine has none to show.
+    """The diagnosis of one run, which is repeated for it, the numbers that it has misread (None if
+    none explain it), and its step.
 
-    A run at half the step goes with it: a fault of the code has the same amplitude there, an error
-    of its integrator has not. A twin has the steps of the code, so that it explains a run to the
-    last digits; misread numbers explain it to the errors of its steps, whatever its method is.
+    A run at half the step is also made: a fault of the code has the same amplitude there, and a
+    discretisation error has not. A twin has the steps of the code, so that it can agree with a run
+    to round-off. Misread numbers agree with it up to the discretisation error, for any method.
+    Raises EngineError if the engine has no run to diagnose.
     """
     from dataclasses import replace
 
@@ -119,7 +120,7 @@ def diagnosed(
         raise UnsupportedError(
             f"{engine.name}/{method} does not support {instance.label}: {reason}"
         )
-    # Steps or tolerances, coarse to fine; beyond the last one the last one counts.
+    # Steps or tolerances, coarse to fine; a level beyond the last one is the last one.
     all_levels = levels(instance, claims, 10, 1e6)
     chosen_level = all_levels[min(level, len(all_levels) - 1)]
     step = None
@@ -162,7 +163,7 @@ def _misreading(
 
 
 def _trajectory(engine: "Engine", request: "Request") -> "Trajectory":
-    """The engine's own run; raises EngineError if it has none to show."""
+    """The trajectory of the engine's run; raises EngineError if the run fails."""
     from refdem.errors import EngineError
     from refdem.planning.in_process import run_of
 

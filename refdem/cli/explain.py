@@ -21,7 +21,7 @@ SKIPPED = {
     "contact": "contact search (no shapes that can touch)",
     "friction": "friction",
 }
-"""What a scene without the feature does without."""
+"""For each feature, the words for a scene that does not need it."""
 
 
 def command(
@@ -152,7 +152,7 @@ def show(tasks: "Iterable[Task]") -> None:
     for task in tasks:
         title = f"  {task.engine.name}/{task.method.name}"
         if task.unsupported is not None:
-            # What is there comes first, what a method expects after it.
+            # The reason names the feature of the scene first, then what the method expects.
             reason = one_line(task.unsupported).partition("; expected")[0]
             refused.setdefault(f"{task.engine.name}: not supported: {reason}", []).append(
                 task.method.name

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from refdem.gate.gate import Gate
 
 MOST_WORDS = 2000
-"""Characters of a line on what a gate would have noticed: twenty numbers with their reasons."""
+"""Most characters of a line on the resolution of a gate: twenty numbers with their reasons."""
 
 
 def command(
@@ -102,8 +102,8 @@ def _judged(gate: "Gate", *, bless: bool, why: str) -> "list[Sheet]":
 
 
 def _noticed(gate: "Gate", *, is_asked: bool) -> "list[Resolution]":
-    """What the gate would have noticed of the numbers of its scenes, with a printed line for each
-    case and method; nothing unless it is asked for.
+    """The resolution of the gate for the numbers of its scenes, with a printed line for each case
+    and method; empty unless it was requested.
     """
     if not is_asked:
         return []
@@ -154,7 +154,7 @@ def _bless(gate: "Gate", sheets: "list[Sheet]", why: str) -> None:
 
 
 def _write(sheets: "list[Sheet]", toml: Path, junit: Path | None, sarif: Path | None) -> None:
-    """Writes the JUnit and the SARIF file, each if it was asked for."""
+    """Writes the JUnit and the SARIF file, each if it was requested."""
     from refdem.report import write_junit, write_sarif
 
     if junit is not None:

@@ -1,4 +1,4 @@
-"""Options that several commands share, each with its words in one place."""
+"""Options that several commands share, each with its help text."""
 
 from typing import Annotated
 
@@ -31,8 +31,9 @@ Scheduler = Annotated[
 
 
 def scheduler_address(given: str | None) -> str:
-    """The address of the scheduler that was named, empty if none was; raises UsageError for a name
-    that is empty, as that of a variable which is not set.
+    """The given address of a scheduler, or "" if none was given.
+
+    Raises UsageError for an empty address, which an unset shell variable would give.
     """
     if given is None:
         return ""

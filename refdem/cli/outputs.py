@@ -1,5 +1,5 @@
-"""Where a command writes: looked at before any work is done, so that no result is lost for want of
-a place.
+"""Checks that the output of a command can be written. They are made before any work, so that no
+result is lost.
 """
 
 import tempfile
@@ -12,7 +12,7 @@ from refdem.errors import StoreError
 def refuse_unwritable(folder: Path, option: str = "--out") -> None:
     """Raises StoreError if a folder, which an option or argument names, cannot be made or written.
 
-    Others may be writing there at the same time.
+    Other processes may write to it at the same time.
     """
     try:
         folder.mkdir(parents=True, exist_ok=True)

@@ -10,11 +10,11 @@ from types import TracebackType
 from typing import Self
 
 ERASE = "\r\x1b[K"
-"""Lets the next text take the place of the line that a terminal shows."""
+"""Control characters by which the next text replaces the current line of a terminal."""
 QUIET = 3.0
-"""CPU seconds after which work that has said nothing says that it goes on."""
+"""CPU seconds without output after which work reports that it continues."""
 LOOK = 0.5
-"""Seconds between looks at how much work has been done."""
+"""Seconds between checks of the progress of work."""
 
 DAY = 86400.0
 """Seconds of a day."""
@@ -52,17 +52,17 @@ class Progress:
 
 
 def _show(text: str) -> None:
-    """Writes to standard error, if it can be written: nothing else depends on it."""
+    """Writes to standard error; a failure to do so is ignored."""
     with suppress(OSError, ValueError):
         print(text, end="", file=sys.stderr, flush=True)
 
 
 class Watch:
-    """Reports that work in this process goes on: after `quiet` CPU seconds, and in a pipe whenever
-    that time has doubled.
+    """Reports that work in this process continues: after `quiet` CPU seconds, and in a pipe
+    whenever that time has doubled.
 
-    A thread of its own reports, so that no part of the work has to. `expect` gives the CPU seconds
-    that are left, where they are known.
+    A separate thread reports, so that the work itself need not do so. `expect` sets the remaining
+    CPU seconds, where they are known.
     """
 
     def __init__(self, work: str, quiet: float = QUIET) -> None:
@@ -90,7 +90,7 @@ class Watch:
             _show(ERASE)
 
     def expect(self, seconds: float) -> None:
-        """Notes how many CPU seconds are left."""
+        """Sets the expected remaining CPU seconds."""
         self._whole = self._spent() + seconds
 
     def say(self, text: str) -> None:
@@ -105,7 +105,7 @@ class Watch:
         return time.process_time() - self._begun
 
     def _look(self) -> None:
-        """Reports now and then, until the work has ended."""
+        """Reports at intervals until the work has ended."""
         while not self._ended.wait(LOOK):
             spent = self._spent()
             if spent < self._next:

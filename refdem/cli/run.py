@@ -86,7 +86,7 @@ def command(
     address = options.scheduler_address(scheduler)
     base = asked_for(case or [], set or [], campaign)
     refuse_partial(base, bless, method or step or steps_per_tau)
-    # What is not given here stays as the campaign has it.
+    # Options that are not given keep the values of the campaign.
     given = {"engines": engine, "method": method, "step": step, "steps_per_tau": steps_per_tau}
     overruled = {name: value for name, value in given.items() if value not in (None, "", [])}
     specification = msgspec.structs.replace(base, **overruled)
@@ -118,15 +118,15 @@ def command(
 
 
 def of_single_case(specification: "Specification", store: "Store") -> "list[Moved]":
-    """What each number of the case moves, for the report of a single case."""
+    """The sensitivities to each number of the case, for the report of a single case."""
     from refdem.planning import moved
 
     return moved.sheets(specification, store)
 
 
 def asked_for(cases: list[str], pairs: list[str], campaign: str) -> "Specification":
-    """The cases named, with parameters, or the campaign, or those cases of it; raises UsageError
-    for parameters without a case.
+    """The named cases with parameters, or the campaign, or the named cases of the campaign; raises
+    UsageError for parameters without a case.
     """
     from refdem.core.parameters import labelled, settings
     from refdem.planning.specification import Entry, Specification, named
@@ -175,7 +175,7 @@ def part(whole: "Specification", cases: list[str], given: dict[str, str]) -> "Sp
 
 
 def refuse_partial(specification: "Specification", bless: bool, other: str | float | None) -> None:
-    """Raises UsageError if a list of findings was asked for of anything but a whole campaign."""
+    """Raises UsageError if a list of findings is to be written for part of a campaign only."""
     if bless and (not specification.required or specification.is_part or other):
         raise UsageError(
             "--bless is for a whole campaign: give --campaign, and neither cases nor --method nor a"
@@ -184,8 +184,8 @@ def refuse_partial(specification: "Specification", bless: bool, other: str | flo
 
 
 def blessed(specification: "Specification", sheets: "list[Sheet]") -> list[str]:
-    """Writes the lists of findings that a campaign must make, one an engine that ran; what changed,
-    a line each.
+    """Writes the lists of findings that a campaign must make, one for each engine that ran; returns
+    the changes, a line each.
     """
     from refdem.core.finding import Record
     from refdem.planning import required

@@ -12,16 +12,17 @@ from refdem.errors import UsageError
 
 TEMPLATES = Path(__file__).parent / "templates" / "new"
 LONGEST = 24
-"""Characters of a name: lines of the templates that hold one then stay within 100 columns."""
+"""Most characters of a name, so that lines of the templates stay within 100 columns."""
 COLUMNS = 100
 """Columns of a line of code, as pyproject.toml sets them for ruff."""
 MARKS = ("pyproject.toml", "meson.build", "refdem/cases", "refdem/kernels", "tests")
-"""What the root of refdem's own tree has, and hardly anything else."""
+"""Files that identify the root of refdem's own source tree."""
 ARGUMENTS = (
     "(int64_t bodies, const double *gravity, const double *position, const double *velocity,"
     " double t0, int64_t samples, const double *t, double *out_position, double *out_velocity)"
 )
-"""Of the function of a new kernel; where its lines break depends on the length of its name."""
+"""The signature of the function of a new kernel; its line breaks depend on the length of the name.
+"""
 
 
 @dataclass(frozen=True)
@@ -94,8 +95,8 @@ SKELETONS = {
 def written(kind: str, name: str, root: Path) -> list[Path]:
     """Writes the files of a new thing into the tree at `root`, and gives their places.
 
-    Raises UsageError, before anything is written, for a kind that there is not, a name that is no
-    identifier or is taken, and a folder that is no tree of refdem. No file is ever overwritten.
+    Raises UsageError, before anything is written, for an unknown kind, a name that is no identifier
+    or is taken, and a folder that is no source tree of refdem. No file is ever overwritten.
     """
     skeleton = skeleton_of(kind)
     refuse_bad_name(name)
@@ -123,7 +124,7 @@ def next_commands(kind: str, name: str) -> list[str]:
 
 
 def skeleton_of(kind: str) -> Skeleton:
-    """The skeleton of a kind; raises UsageError for one that there is not."""
+    """The skeleton of a kind; raises UsageError for an unknown one."""
     if kind not in SKELETONS:
         raise UsageError(f"new got {kind!r}; expected one of {', '.join(SKELETONS)}")
     return SKELETONS[kind]

@@ -18,7 +18,7 @@ COMMON = {
     "refdem.toml": "refdem.toml.in",
     ".github/workflows/refdem-gate.yml": "refdem-gate.yml.in",
 }
-"""What every starter has."""
+"""Templates that every starter has."""
 HEADER = {"refdem_driver.h": "refdem_driver.h.in"}
 """The helper of C and of C++."""
 MADE = ["./driver"]
@@ -93,8 +93,8 @@ STARTERS = {
 def written(language: str, name: str, folder: Path) -> list[Path]:
     """Writes the files of a starter into a folder, and gives their places.
 
-    Raises UsageError, before anything is written, for a language that there is not, a name that no
-    program can have, and a file that is there already.
+    Raises UsageError, before anything is written, for an unknown language, a name that no program
+    can have, and a file that exists already.
     """
     if language not in STARTERS:
         raise UsageError(f"--language {language!r}: {nearest(language, list(STARTERS))}")

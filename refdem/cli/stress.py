@@ -100,8 +100,8 @@ def command(
 
 
 def status(record: "StressRecord") -> int:
-    """1 if a point that was due failed or could not be decided, 3 if engines only broke down on
-    such points, 2 if nothing was judged.
+    """The exit status: 1 if a required point failed or could not be decided, 3 if engines only
+    crashed or hung at such points, 2 if nothing was judged, else 0.
     """
     from refdem.errors import UsageError
     from refdem.stress.record import BROKEN

@@ -21,20 +21,20 @@ from refdem.core.finding import (
 from refdem.core.outside import one_line
 
 MAX_FINDINGS = 20
-"""Findings that are printed, the worst: a screen of them."""
+"""Largest number of printed findings, the worst ones: one screen of them."""
 MAX_REASONS = 6
-"""Reasons for refusals of a part that are printed, those of most findings."""
+"""Largest number of printed reasons for partial refusals, those of most findings."""
 FEW = 4
-"""Names that a line lists."""
+"""Largest number of names in a line."""
 VOID = 2
-"""Exit status where nothing was judged: what was asked for cannot be judged, which is neither a
-pass nor a failure.
+"""Exit status if nothing was judged: the request cannot be judged, which is neither a pass nor a
+failure.
 """
 
 
 def exit_status(sheets: Iterable[Sheet], absent: Collection[str] = ()) -> int:
     """1 if a check failed or a deviation is stale, else 3 if an engine broke, else 2 if nothing was
-    judged or an engine that was asked for is `absent`, else 0.
+    judged or a requested engine is `absent`, else 0.
     """
     outcomes = {finding.outcome for _, finding in worst_first(sheets)}
     if outcomes & set(FAILING):
@@ -89,7 +89,7 @@ def printed_json(
     or broke, why engines judged nothing or refused a part, and where the report is.
 
     `changes` are those to the list of findings that the campaign must make; `absent` has a sentence
-    for each engine that was asked for and is not installed, `without_effect` one for each parameter
+    for each engine that was requested and is not installed, `without_effect` one for each parameter
     that changes nothing.
     """
     findings = worst_first(sheets)
@@ -114,7 +114,7 @@ def printed_json(
 
 
 def judged_engines(records: list[Record]) -> set[str]:
-    """The engines of which something was decided, or broke."""
+    """The engines with a decided finding or an error."""
     return {
         record.engine
         for record, finding in findings_of(records)

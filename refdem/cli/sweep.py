@@ -9,7 +9,7 @@ from refdem.cli import completion, options
 from refdem.errors import UsageError
 
 CHECKS = ("error", "order")
-"""Checks whose runs tell the error at every step, and how it falls."""
+"""Checks whose runs measure the error at every step and its order."""
 
 
 def command(

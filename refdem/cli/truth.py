@@ -21,13 +21,13 @@ if TYPE_CHECKING:
     Values = Sequence[dict[str, str | None]]
 
 DEAR = 10.0
-"""Seconds that are announced before they are spent."""
+"""Expected seconds of work above which they are announced beforehand."""
 DERIVING = 10.0
-"""The times as long as the values that their derivatives take, with the differences that bracket
-them. Measured: 8 to 20.
+"""Time of the derivatives, with the differences that enclose them, in units of that of the values.
+Measured: 8 to 20.
 """
 SOON = 0.5
-"""Seconds that a proof may take which only shows that a parameter changes nothing."""
+"""Limit on the time [s] of a proof that only shows that a parameter has no effect."""
 
 
 def command(
@@ -237,8 +237,9 @@ def are_same(values: "Values", others: "Values") -> bool:
 def unfelt(
     instance: "Instance", values: "Values", times: "Sequence[Fraction]", digits: int
 ) -> list[str]:
-    """A sentence for each parameter that was set and changes none of the values; a proof that takes
-    longer than SOON says nothing.
+    """A sentence for each parameter that was set and changes none of the values.
+
+    A parameter whose proof takes longer than SOON gets no sentence.
     """
     from refdem.cli.without_effect import at_defaults
     from refdem.errors import NotCertifiedError
@@ -263,8 +264,8 @@ def unfelt(
 
 
 def scalars(truth: "Truth", *, alone: bool) -> "Mapping[str, Ball]":
-    """The scalars; where none are certified that is said on stderr, and is the answer only if
-    nothing else was asked for.
+    """The scalars; if none are certified, that is reported on stderr, and is the answer only if
+    nothing else was requested.
     """
     from refdem.errors import NotCertifiedError
 
@@ -343,8 +344,10 @@ def times_of(certified: Any) -> str:
 
 
 def announce(truth: "Truth", t: Fraction, digits: int, watch: "Watch") -> float:
-    """Says what the values up to t will cost, and says so roughly as soon as anything is known: a
-    forecast of much is much work itself. Returns the seconds.
+    """Reports the expected time [s] of the values up to t, and returns it.
+
+    A rough estimate is reported as soon as there is one, because the forecast of an expensive proof
+    is itself expensive.
     """
     from refdem.cli.progress import rounded
     from refdem.truth.forecast import told_to
@@ -369,7 +372,7 @@ def announce(truth: "Truth", t: Fraction, digits: int, watch: "Watch") -> float:
 
 
 def warn(seconds: float) -> None:
-    """Warns of work that takes more than DEAR seconds; raises UsageError above HOPELESS."""
+    """Warns of work longer than DEAR seconds; raises UsageError above HOPELESS."""
     from refdem.cli.progress import rounded
     from refdem.truth.forecast import HOPELESS
 

@@ -1,4 +1,4 @@
-"""Parameters that change nothing in the setting asked for, as friction where nothing slips.
+"""Parameters that change nothing in the requested setting, such as friction where nothing slips.
 
 A parameter is without effect if the problem with it is the problem at its default, to the bit, or
 if the certified values of both are the same.
@@ -16,15 +16,17 @@ if TYPE_CHECKING:
     from refdem.planning.specification import Specification
 
 PROOF = 5.0
-"""Seconds that a proof may take which is made for this sentence alone."""
+"""Limit on the time [s] of a proof that is made only for this sentence."""
 SHARP = 1e-9
-"""Radii, in units of the scale of a quantity, up to which equal values say that nothing changes."""
+"""Largest radii, in units of the scale of a quantity, with which overlapping values count as equal.
+"""
 
 
 def at_defaults(instance: "Instance") -> "dict[str, Instance]":
     """For every parameter that differs from its default: the instance with the default of this one.
 
-    Left out are those of the clock, and those without which the others do not go together.
+    Parameters of the sample times are left out, and those whose default is inconsistent with the
+    other parameters.
     """
     from refdem.errors import UsageError
 
@@ -50,7 +52,7 @@ def unused(instance: "Instance") -> list[str]:
 
 
 def is_same_problem(one: "Instance", other: "Instance") -> bool:
-    """True if engines are asked the same, to the bit, and at the same times."""
+    """True if the problems for engines are bitwise the same, at the same times."""
     from refdem.core.problem import Request
 
     asked = [Request(problem=each.problem, method="", step=None).packed() for each in (one, other)]
@@ -60,7 +62,8 @@ def is_same_problem(one: "Instance", other: "Instance") -> bool:
 def unfelt(instance: "Instance", store: "Store") -> list[str]:
     """Names of the parameters that enter the problem and change no certified value of it.
 
-    Proofs are read from the store and kept there; one that takes longer than PROOF says nothing.
+    Proofs are read from the store and kept there. A parameter whose proof takes longer than PROOF
+    is left out.
     """
     from refdem.execution.schedule import Schedule
     from refdem.planning.truths import sampled_truths
@@ -127,7 +130,7 @@ def set_and_default(instance: "Instance", name: str) -> str:
 
 
 def of_settings(specification: "Specification", store: "Store") -> list[str]:
-    """The sentences for all cases that were asked for with parameters, each with its label."""
+    """The sentences for all cases that were requested with parameters, each with its label."""
     from refdem.core import discovery
     from refdem.core.selection import Selection
 

@@ -46,9 +46,9 @@ class Method:
     `Request.sensitivities` names some.
     start_only: it differentiates by numbers of the start alone: positions, velocities, attitudes
     and omegas of bodies.
-    by_name: it runs only where its name is asked for, and so in no campaign of all methods.
-    as_shipped: the engine's own defaults are left alone, as a user meets them who says the scene
-    and no more. It runs where a campaign asks for it (`as_shipped = true`), or by its name.
+    by_name: it runs only if it is requested by name, and so in no campaign of all methods.
+    as_shipped: the engine has its own default settings, as for a user who specifies only the scene.
+    It runs if a campaign requests it (`as_shipped = true`), or by its name.
     knows: for questions without time, the features that it can answer; it leaves out others.
     derived: numbers that the adapter computes from others in such a way that a law about them
     always holds, each with the reason. A check of that law could not fail, and so does not apply.
@@ -209,7 +209,7 @@ class Engine(ABC):
 
     def chosen_methods(self, name: str = "", *, as_shipped: bool = False) -> list[Method]:
         """The methods of that name; without a name all that do not need one, those as shipped only
-        if asked for.
+        if requested.
         """
         if name:
             return [method for method in self.methods if method.name == name]

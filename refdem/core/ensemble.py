@@ -36,7 +36,7 @@ class EnsembleDocument(
 @dataclass(frozen=True, eq=False)
 class Ensemble(Problem):
     """A scene of N bodies, M starts of it at times[0]: position, velocity (M, N, 3) [m, m/s], and
-    the times (T,) [s] asked for.
+    the requested times (T,) [s].
 
     The answer has `position` and `velocity` (T, M, N, 3). The starts replace the state of the scene
     itself. No body rotates.

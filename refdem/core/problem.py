@@ -166,9 +166,9 @@ def _refuse_format(version: int) -> None:
 class Request:
     """One run: a problem, the name of the method, and its step [s] (size only) or tolerance.
 
-    Exact methods have neither. `repeat` numbers requests that are otherwise equal; `threads` are
-    asked for of methods that claim the same bits for any number of them. `sensitivities` are keys
-    of numbers of the scene by which the states are to be differentiated.
+    Exact methods have neither. `repeat` numbers requests that are otherwise equal. `threads` is set
+    for methods that claim the same bits for any number of threads. `sensitivities` are keys of
+    numbers of the scene by which the states are to be differentiated.
     """
 
     problem: Problem
@@ -355,7 +355,7 @@ class Request:
         return replace(self, problem=Motion(scene, times))
 
     def refuse_misaligned(self, t: Array, round_off: float = 2.0**-53) -> None:
-        """Raises EngineError unless the engine's times `t` (T,) [s] are the samples asked for.
+        """Raises EngineError unless the engine's times `t` (T,) [s] are the requested samples.
 
         They may differ by the round-off of its precision, `round_off`, and by that of a clock which
         adds up its steps: one rounding a step.

@@ -73,7 +73,7 @@ class Problem(ABC):
 
 @dataclass(frozen=True, eq=False)
 class Motion(Problem):
-    """A scene, whose state holds at times[0], and the times (T,) [s] at which states are asked for;
+    """A scene, whose state holds at times[0], and the times (T,) [s] at which states are requested;
     may run backwards.
     """
 
@@ -168,8 +168,8 @@ class IterationDocument(
 
 @dataclass(frozen=True, eq=False)
 class Iteration(Problem):
-    """A map, its start (D,), and how many times it is applied; asked for are the iterates `times`
-    (T,), whole numbers from 0 to n.
+    """A map, its start (D,), and how many times it is applied; the iterates `times` (T,), integers
+    from 0 to n, are requested.
     """
 
     kind: ClassVar[str] = "iteration"
@@ -192,7 +192,7 @@ class Iteration(Problem):
 
     @property
     def times(self) -> Array:  # type: ignore[override]
-        """Numbers (T,) of the iterates asked for: 0, 1, ... DENSE, DENSE 2^(k/PER_OCTAVE) for k =
+        """Numbers (T,) of the requested iterates: 0, 1, ... DENSE, DENSE 2^(k/PER_OCTAVE) for k =
         1, 2, ... below n, and n.
         """
         octaves = max(0.0, np.log2(self.n / DENSE))

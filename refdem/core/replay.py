@@ -86,7 +86,7 @@ class Track(msgspec.Struct, frozen=True, kw_only=True):
     from truth's attitudes to its own, in space axes.
 
     `largest` and `largest_turn` are the largest lengths of these over all samples, `contacts` the
-    (frame, body) of each contact that the run told; `level` is its step [s] or tolerance.
+    (frame, body) of each contact that the run reports; `level` is its step [s] or tolerance.
     """
 
     engine: str

@@ -118,8 +118,8 @@ class Piece(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=Tru
     """A solid of uniform `density` [kg/m^3] at the origin, turned by `attitude`; `hollow` is cut
     out of it before.
 
-    Asked for are mass, centre of mass, and the tensor of inertia about it, or about the point
-    `about` [m] in space.
+    The answer has the mass, the centre of mass, and the tensor of inertia about it, or about the
+    point `about` [m] in space.
     """
 
     name: str

@@ -147,8 +147,8 @@ class Store:
             return None
 
     def put(self, kind: str, key: str, data: bytes) -> None:
-        """Keeps bytes under (kind, key), unless there are too many of them: those are made again
-        when they are asked for.
+        """Keeps bytes under (kind, key), unless there are too many of them; these are recomputed
+        when they are needed.
         """
         connection = self._tally.connection
         if connection is None or len(data) > MOST:

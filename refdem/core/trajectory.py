@@ -47,7 +47,7 @@ class Trajectory:
     3) in space axes.
 
     Attitude and omega of points are (1, 0, 0, 0) and 0. The answer to a question without a scene
-    has no bodies, and `values` (T, ...) by name instead, at the samples t (T,) that were asked for.
+    has no bodies, and `values` (T, ...) by name instead, at the requested samples t (T,).
     `derivatives` (T, N, 13) are those of position, velocity, attitude and omega by numbers of the
     scene, by their keys, where a request asks for them. Raises EngineError, naming the place, if a
     shape is wrong or a number is not finite.

@@ -110,7 +110,7 @@ class Truth(ABC):
         the angular velocity of a free body are one part each; elsewhere every coordinate is one.
 
         Judging takes the largest S so far (`SampledTruth.growth`). S(t) depends on t alone, not on
-        the other times that are asked for.
+        the other requested times.
         """
 
     def refined(self, digits: int) -> "Truth":

@@ -1,3 +1,3 @@
-"""Adapters: one file or small folder an engine, found by itself; none is imported unless asked
-for.
+"""Adapters, one file or small folder per engine. They are discovered automatically, and each is
+imported only when it is used.
 """

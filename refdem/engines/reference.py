@@ -1,5 +1,5 @@
-"""The reference implementation as an engine: it finds a method for a scene by the scene's content
-and hands the request on.
+"""The reference implementation as an engine: it selects a method by the contents of the scene and
+passes the request on to it.
 """
 
 import hashlib
@@ -47,7 +47,7 @@ class Reference(Engine):
 
     @cached_property
     def methods(self) -> tuple[Method, ...]:  # type: ignore[override]
-        """What each solver claims, cheapest first."""
+        """The methods of the solvers with their claims, cheapest first."""
         return tuple(
             replace(solver.claims, answers=solver.answers.kind) for solver in self.solvers.values()
         )

@@ -1,7 +1,8 @@
-"""The schedule of a cluster: runs to the workers of a Dask scheduler, results as they come.
+"""The schedule of a cluster: runs are sent to the workers of a Dask scheduler, and results are
+returned as they end.
 
-Only this process reads and writes the store. Truths are proved here, in worker processes of this
-machine. A worker that dies costs no run: what it had is made again by another one.
+Only this process reads and writes the store. Truths are proved in worker processes of this machine.
+If a worker dies, its runs are repeated by another one.
 """
 
 import asyncio
@@ -27,35 +28,35 @@ from refdem.execution.schedule import Job, Schedule
 CONNECT = 10.0
 """Seconds within which a scheduler must answer; on one network it does in milliseconds."""
 ARRIVAL = 60.0
-"""Seconds without any worker before a campaign gives up: a worker that its nanny starts again is
-back within some.
+"""Seconds without any worker before a campaign gives up. A worker that its nanny restarts is back
+within a few seconds.
 """
 LOOK = 1.0
-"""Seconds between questions to the scheduler for its workers."""
+"""Seconds between queries of the scheduler for its workers."""
 AHEAD = 2
-"""Batches that each thread of a worker has at most: one that it runs, and one that waits there, so
-that it never waits for the network.
+"""Most batches of each thread of a worker: one that it runs, and one in reserve, so that it never
+waits for the network.
 """
 BATCH = 0.25
-"""Seconds that the runs of a batch should take: passing it on takes some milliseconds."""
+"""Intended duration [s] of a batch; its transfer takes a few milliseconds."""
 SCHEDULED = 2e-3
-"""Seconds of a scheduler's time that one batch may take: it takes half of that, and is one process
-for all workers, so that batches of many threads are longer.
+"""Scheduler time [s] allowed for one batch, twice what it takes. The scheduler is one process for
+all workers, so that batches are longer the more threads there are.
 """
 LONGER = 4.0
-"""Times the seconds of a batch after which a worker begins no other run of it."""
+"""Factor on the intended duration of a batch, after which a worker starts no further run of it."""
 MOST = 2048
-"""Runs in a batch at most."""
+"""Largest number of runs in a batch."""
 LOST = (OSError, RuntimeError, CancelledError)
-"""What Dask raises where the scheduler is gone: connections that close, clients that are closed,
-questions that are given up.
+"""Exceptions of Dask for a lost scheduler: closed connections, closed clients, and cancelled
+queries.
 """
 MOST_LOST = 10
-"""Batches, one after the other, whose results were lost with their workers, after which a campaign
-gives up: one that is lost is made again.
+"""Number of consecutive batches lost with their workers after which a campaign gives up; until then
+a lost batch is repeated.
 """
 MOST_BYTES = 2**20
-"""Of the requests in a batch, unless one alone has more."""
+"""Most bytes of the requests in a batch, unless a single one has more."""
 
 
 class Cluster:
@@ -73,7 +74,7 @@ class Cluster:
         self._client: Any = None
 
     def __enter__(self) -> "Cluster":
-        """Connects, and raises ClusterError unless workers are there and all of them are fit."""
+        """Connects; raises ClusterError unless there are workers and all have the expected code."""
         self._client = connected(self._address)
         try:
             with _noticed(self._address):
@@ -87,8 +88,8 @@ class Cluster:
 
     def __exit__(self, *error: object) -> None:
         self._local.__exit__(*error)
-        # Workers live on, and so would the programs that they keep alive. A scheduler that is lost
-        # cannot pass this on: they end these by themselves after a while.
+        # Workers continue to run, and so would the programs that they keep alive. If the scheduler
+        # is lost, this request cannot reach them, and they end these programs after a timeout.
         if self._client.status == "running":
             with contextlib.suppress(*LOST):
                 self._client.run(remote.rested, on_error="ignore")
@@ -97,7 +98,7 @@ class Cluster:
     def results(self, jobs: list[Job]) -> Iterator[tuple[Job, bytes | Failure]]:
         """Every job once with its bytes or its Failure, in the order in which they end.
 
-        Raises ClusterError if the cluster is lost, or a worker that came later is not fit.
+        Raises ClusterError if the cluster is lost, or if a worker that joined later has other code.
         """
         if any(job.function is not worker.run for job in jobs):
             return self._local.results(jobs)
@@ -125,7 +126,7 @@ class Cluster:
         lines = []
         for address, answer in sorted(answers.items()):
             if isinstance(answer, OSError):
-                # It has just died. Whatever comes in its place is asked with its first batch.
+                # It has just died. Its replacement is checked with its first batch.
                 continue
             if not isinstance(answer, str):
                 reason = f"it did not report the version of its refdem ({answer}): install"
@@ -149,7 +150,7 @@ class _Distribution:
         self._timeout = timeout
         self._waiting = deque(jobs)
         self._running: dict[Any, list[Job]] = {}
-        # Callbacks of the client, which has threads of its own, put the futures here that ended.
+        # Callbacks in the client's own threads put finished futures here.
         self._ended: queue.SimpleQueue[Any] = queue.SimpleQueue()
         self._threads = 0
         self._looked = -math.inf
@@ -166,7 +167,7 @@ class _Distribution:
                 if self._running:
                     yield from self._next_results()
         finally:
-            # Without a scheduler there is nothing to cancel.
+            # If the scheduler is lost, there is nothing to cancel.
             with contextlib.suppress(*LOST):
                 self._client.cancel(list(self._running))
 
@@ -188,8 +189,9 @@ class _Distribution:
             raise ClusterError(f"no worker has been connected for {ARRIVAL:g} s; {_KEPT}")
 
     def _submitted(self) -> Iterator[tuple[Job, Failure]]:
-        """Hands batches to the scheduler until every thread has enough; what is not worth running
-        any more comes back with its Failure.
+        """Submits batches to the scheduler until every thread has enough.
+
+        Jobs that are given up before they are submitted are yielded with their Failure.
         """
         while self._waiting and len(self._running) < AHEAD * max(1, self._threads):
             batch = list[Job]()
@@ -231,7 +233,7 @@ class _Distribution:
             longest=LONGER * self._batch_seconds(),
             errands=[self._errand(job, now) for job in jobs],
         )
-        # A key of its own, so that equal runs which are asked for again are made again.
+        # Each batch has a unique key: Dask would return the old result for an equal key.
         with _noticed(self._address):
             future = self._client.submit(
                 remote.made, msgspec.msgpack.encode(batch), key=f"refdem-{uuid.uuid4().hex}"
@@ -240,7 +242,9 @@ class _Distribution:
         future.add_done_callback(self._ended.put)
 
     def _errand(self, job: Job, now: float) -> remote.Errand:
-        """A job as it travels: clocks of two machines differ, so what is left of its time does."""
+        """A job as it is sent. As the clocks of two machines differ, it has remaining times instead
+        of deadlines.
+        """
         engine, request, deadline = job.arguments
         return remote.Errand(
             engine=engine,
@@ -273,14 +277,15 @@ class _Distribution:
             else:
                 not_begun.append(job)
         self._waiting.extendleft(reversed(not_begun))
-        # So many runs take as long as a batch should, but at most twice as many as before.
+        # The number of runs that take the intended duration, at most twice the previous number.
         wanted = self._batch_seconds() * len(done) / max(returned.seconds, 1e-6)
         self._size = max(1, min(MOST, 2 * self._size, int(wanted)))
         yield from done
 
     def _returned(self, future: Any, jobs: list[Job]) -> remote.Returned | Failure | None:
-        """What came back for a batch; None if its runs wait again, each in a batch of its own, and
-        a Failure for a single run that took several workers with it.
+        """The result of a batch; a Failure for a single run during which several workers died.
+
+        It is None if the runs are queued again, each in a batch of its own.
         """
         from distributed import KilledWorker
 
@@ -354,11 +359,11 @@ def connected(address: str) -> Any:
     for name in ("distributed", "distributed.client", "tornado.application"):
         logging.getLogger(name).setLevel(logging.CRITICAL)
     try:
-        # A client that does not come to be leaves threads behind, so one question goes first; from
-        # a thread of its own, as that of a notebook has a loop that runs already.
+        # A client that fails to connect leaves threads behind, so the scheduler is queried first.
+        # The query has its own thread, because a notebook's thread already runs an event loop.
         with ThreadPoolExecutor(max_workers=1) as apart:
             apart.submit(_ask, address).result()
-        # Results are bytes: nothing else is read from a worker, and nothing of it unpickled.
+        # Results are bytes: nothing else is accepted from a worker, and nothing is unpickled.
         families = ["dask", "msgpack"]
         return distributed.Client(
             address,
@@ -368,7 +373,7 @@ def connected(address: str) -> Any:
             deserializers=families,
         )
     except Exception as error:
-        # Whatever listens there may say anything, and Dask raises as it fails to read it.
+        # Any other server may listen at the address; Dask raises when it cannot parse the reply.
         words = one_line(str(error)) or type(error).__name__
         raise ClusterError(
             f"no scheduler answers at {one_line(address)!r} ({words}); expected the address that"
@@ -395,11 +400,13 @@ async def _identity(address: str) -> None:
 
 
 def _outcome(future: Any) -> tuple[BaseException | None, object]:
-    """The error of a batch that ended, or what it returned; raises one of LOST where that died with
-    its worker, and ClusterError for what is more than data.
+    """The error of a batch that ended, or its result.
+
+    Raises one of LOST if the result was lost with its worker, and ClusterError for a result that is
+    more than data.
     """
     if future.status == "lost":
-        # Asked now, Dask would wait until another worker has made it again.
+        # Reading the result would now wait until another worker has recomputed it.
         raise CancelledError
     error = future.exception(timeout=ARRIVAL)
     if error is not None:

@@ -1,7 +1,8 @@
-"""What a worker of a cluster does for a campaign: it says whether it is fit to run, and makes runs.
+"""The functions of a cluster's worker for a campaign: it checks whether its code is the expected
+one, and makes runs.
 
-All that it gets and all that it returns is text or MessagePack of the documents below, which the
-other side checks as it reads them.
+All of its inputs and results are text or MessagePack of the documents below, which the receiver
+validates.
 """
 
 import multiprocessing
@@ -20,7 +21,7 @@ from refdem.execution import worker
 from refdem.execution.schedule import Job, Schedule
 
 SHOWN = 12
-"""Digits of a digest that a sentence shows; 48 bits tell any two states of a code apart."""
+"""Hexadecimal digits of a digest in a sentence; 48 bits distinguish any two states of a code."""
 NOT_BEGUN = Failure(kind="not begun", sentence="the batch took too long", is_begun=False)
 
 
@@ -43,10 +44,10 @@ class CodeState(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields
 
 
 class Errand(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """One run: the address of its engine, the packed request, its limit [s], and how long it may be
-    until it begins [s].
+    """One run: the address of its engine, the packed request, its time limit [s], and the time [s]
+    within which it must begin.
 
-    Of what `computes` the limit counts CPU time.
+    If it `computes`, the limit is one of CPU time.
     """
 
     engine: str
@@ -59,8 +60,8 @@ class Errand(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=Tr
 class Batch(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """Runs for one worker, and the state of the code that they need, as MessagePack of CodeState.
 
-    After `longest` [s] the worker begins no other run: the rest goes back, so that it can be spread
-    again, or given up where others hung.
+    After `longest` [s] the worker begins no further run. The remaining runs are returned, to be
+    distributed again, or to be given up if others hung.
     """
 
     expected: bytes
@@ -69,15 +70,15 @@ class Batch(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=Tru
 
 
 class Outcome(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """How one run ended: with the bytes of a reply or a failure; with neither it was not begun."""
+    """The end of one run: the bytes of a reply, or a failure; with neither it was not started."""
 
     reply: bytes | None = None
     failure: Failure | None = None
 
 
 class Returned(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """The outcomes of a batch in its order and the seconds that it took; or why the worker is not
-    fit to run any of it.
+    """The outcomes of a batch in its order and the seconds that it took; or why the worker cannot
+    run any of it.
     """
 
     outcomes: list[Outcome]
@@ -102,10 +103,10 @@ def code_state(engines: Iterable[Engine]) -> bytes:
 
 @lru_cache(maxsize=8)
 def mismatch(expected: bytes) -> str:
-    """Why runs of this process would not be those of the process whose state is `expected`; empty
-    if they are the same.
+    """Why runs of this process would differ from those of the process whose state is `expected`;
+    empty if they would not.
 
-    It is asked for once for each state: the code of a process does not change.
+    It is computed once for each state, as the code of a process does not change.
     """
     state = msgspec.msgpack.decode(expected, type=CodeState)
     here = fingerprint.of_refdem()
@@ -122,12 +123,14 @@ def mismatch(expected: bytes) -> str:
             " machine of the workers' kind"
         )
     reasons = [reason for method in state.methods if (reason := _misfit_of(method))]
-    # Methods of one engine lack the same thing.
+    # The methods of one engine usually have the same reason.
     return "; ".join(dict.fromkeys(reasons))
 
 
 def _misfit_of(expected: MethodState) -> str:
-    """Why one method does not run here as it does where it was asked for, or nothing."""
+    """Why one method would run differently here than in the requesting process; empty if it would
+    not.
+    """
     try:
         engine = discovery.engine(expected.engine)
         missing = engine.missing()
@@ -146,14 +149,15 @@ def _misfit_of(expected: MethodState) -> str:
 
 
 IDLE = 60.0
-"""Seconds without a batch after which a worker ends the processes that it has started for runs:
-refdem was killed, or the scheduler is lost. They start again within some seconds.
+"""Seconds without a batch after which a worker ends the processes that it has started for runs,
+because refdem was killed or the scheduler is lost. They can be restarted within a few seconds.
 """
 
 
 class _Processes:
-    """The schedule of one thread of a worker: one process, which runs the engines. An engine that
-    crashes or hangs costs that process and its run, and the worker goes on.
+    """The schedule of one thread of a worker: one process, which runs the engines.
+
+    An engine that crashes or hangs ends only that process and its run; the worker continues.
     """
 
     def __init__(self) -> None:
@@ -173,8 +177,9 @@ class _Processes:
         self._idle.start()
 
     def rest(self) -> None:
-        """Ends the process, and the programs that it keeps alive, unless it is busy: the next batch
-        starts another.
+        """Ends the process, and the programs that it keeps alive, unless it is busy.
+
+        The next batch starts a new process.
         """
         if not self._busy.acquire(blocking=False):
             return
@@ -188,13 +193,13 @@ class _Processes:
 
 _here = threading.local()
 _OF_THREADS: list[_Processes] = []
-"""Those of all threads of this worker."""
+"""The schedules of all threads of this worker."""
 
 
 def _schedule() -> _Processes:
     """The schedule of this thread."""
     if not hasattr(_here, "schedule"):
-        # The nanny of a worker starts it as a daemon, which may not have processes of its own.
+        # The nanny starts a worker as a daemon, which may not have child processes.
         multiprocessing.current_process().daemon = False
         _here.schedule = _Processes()
         _OF_THREADS.append(_here.schedule)
@@ -209,8 +214,8 @@ def rested() -> None:
 
 
 class _Begin:
-    """Answers whether a run is still begun, with what holds when it is asked first: what was begun
-    goes on to its end.
+    """Decides whether a run may still be started. The first answer is kept: a run that was started
+    continues to its end.
     """
 
     def __init__(self, end: float) -> None:
@@ -247,11 +252,11 @@ def made(batch_bytes: bytes) -> bytes:
 
 def _job(number: int, errand: Errand, begin: float, end: float) -> Job:
     """The run of an errand in the process of this thread, for a batch that began at `begin` [s];
-    after `end` [s] only its first one is begun.
+    after `end` [s] only the first run of the batch is started.
     """
     given_up = _Begin(end)
     if number == 0:
-        # A batch whose first run began is one run shorter when it comes back.
+        # The first run is always started, so that a returned batch is at least one run shorter.
         given_up = _Begin(float("inf"))
     return Job(
         number,

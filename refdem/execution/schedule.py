@@ -1,8 +1,8 @@
-"""The schedule: jobs to worker processes, results as they come; a crash or a hang costs its own job
-and no other.
+"""The schedule: jobs are given to worker processes, and results are returned as they end; a crash
+or a hang fails only its own job.
 
-Programs are processes already: a few runs of them are waited for in threads, and no worker is
-started for that.
+Programs are separate processes already, so that threads wait for a few runs of them, and no worker
+is started for these.
 """
 
 import ctypes
@@ -29,29 +29,29 @@ from refdem.core.run import Failure
 from refdem.execution.spawning import Spawning, unblock_interrupts
 
 READ_HERE = 25_000
-"""Rows of answers that this process reads in no more CPU time than a worker takes to start."""
+"""Rows of answers that this process reads in the CPU time that the start of a worker takes."""
 RUN = 250
-"""Rows that take as long to read as all else that this process does for a run."""
+"""Rows that take as long to read as all other work of this process for a run."""
 SLOWER = 10.0
-"""How much longer than its CPU time a computation may take by the clock: on two processors beside
-sixteen busy processes it takes nine times as long.
+"""Largest permitted ratio of wall-clock time to CPU time of a computation. On two processors with
+sixteen other busy processes it is nine.
 """
 PR_SET_PDEATHSIG = 1
 """Operation of prctl(2), from <sys/prctl.h>: the signal that a child gets when its parent ends."""
 PAUSE = 0.02
-"""Seconds between looks at programs that are being ended."""
+"""Seconds between checks of programs that are being ended."""
 LOOK = 1.0
-"""Seconds between looks at the pool of workers while no result comes."""
+"""Seconds between checks of the pool of workers while no result arrives."""
 MOST_WAITING = 2**24
-"""Bytes of arguments that are handed to workers before one of them is free, with which another job
-is not handed over.
+"""Bytes of arguments of queued jobs above which no further job is handed to the workers before one
+of them is free.
 """
 UNTAKEN = 60.0
-"""Seconds for which a job may wait although a worker is free, which may have to start: a worker
-that is killed just as it takes a job says nothing of it.
+"""Seconds for which a job may wait although a worker is free, including the start of a worker.
+After that the job is lost: a worker that is killed while it takes a job cannot report it.
 """
 POOLS = 3
-"""So many pools that break one after another, without a result between them, fail their jobs."""
+"""Number of consecutive broken pools, without a result between them, after which jobs fail."""
 NEVER_BEGUN = (
     f"the worker process died while it started, {POOLS} times in a row: the machine may be short of"
     " memory, or its processes are being killed"
@@ -59,7 +59,7 @@ NEVER_BEGUN = (
 
 
 Progress = Callable[[str, int, int], None]
-"""Told the stage, how many of its jobs are done, and how many there are."""
+"""A function that is called with the stage, the number of its finished jobs, and their total."""
 
 Result = TypeVar("Result")
 
@@ -80,13 +80,13 @@ def counted(
 @dataclass(frozen=True)
 class Job:
     """A function of a module and its arguments, all of them bytes, text or plain containers; `key`
-    comes back with the result.
+    is returned with the result.
 
-    `timeout` [s], if any, is its own; else the schedule's holds; both count `patience` times. Of
-    what only `computes` CPU time counts and not the clock, so that it ends on a busy machine as it
-    does on a quiet one; what waits for something instead is ended by the clock, SLOWER times later.
-    What runs a program, under a time limit of the program's own, also has the `stages` that do the
-    same as the function, and the number of `rows` of the answer.
+    The time limit is `timeout` [s], or that of the schedule without one, times `patience`. If the
+    job only `computes`, the limit is one of CPU time, so that it does not depend on the load of the
+    machine; if such a job waits instead, the clock ends it at SLOWER times the limit. A job that
+    runs a program with its own time limit also has `stages`, which do the same as the function, and
+    the number of `rows` of the answer.
     """
 
     key: Any
@@ -98,9 +98,9 @@ class Job:
     stages: Callable[..., Stages[bytes]] | None = None
     rows: int = 0
     given_up: Callable[[], Failure | None] = lambda: None
-    """Asked just before it begins: why it is not run any more, or None."""
+    """Called just before the job begins: the reason why it is not run any more, or None."""
     pack: Callable[[], tuple[Any, ...]] | None = None
-    """Makes the arguments just before it begins, where those of all jobs need much memory."""
+    """Makes the arguments just before the job begins, if those of all jobs need much memory."""
 
     def ready(self) -> "Job":
         """The same job with its arguments made."""
@@ -122,7 +122,7 @@ class Scheduler(Protocol):
 
 
 class InProcess:
-    """Runs jobs in this process, for engines that live here; a hang or crash is the caller's."""
+    """Runs jobs in this process, for engine objects; it does not protect from hangs or crashes."""
 
     def __enter__(self) -> "InProcess":
         return self
@@ -137,9 +137,9 @@ class InProcess:
 
 
 class Programs:
-    """Programs, `most` at a time.
+    """Runs programs, `most` at a time.
 
-    Threads do nothing but wait for them: all else happens in the thread that asks for results.
+    Threads only wait for them; all other work is done in the thread that iterates over results.
     """
 
     def __init__(self, most: int) -> None:
@@ -157,8 +157,8 @@ class Programs:
                 if ended is not None:
                     yield job, ended
             going = []
-            # One more than can run is begun, so that no program waits for what is done here. A job
-            # that waits for its program once more has kept its place.
+            # One more job than can run is started, so that a processor is not idle during the work
+            # of this thread. A job that waits for its program again has kept its place.
             begun = list(islice(fresh, self._most + 1 - len(self._running)))
             for job in begun:
                 failure = job.given_up()
@@ -179,7 +179,7 @@ class Programs:
     ) -> bytes | Failure | None:
         """The result of a job that has ended; None if it waits for its program again.
 
-        `result` is what the waiting returned or raised; None for a job that just begins.
+        `result` is what the wait returned or raised, None for a job that is starting.
         """
         try:
             if result is None:
@@ -195,7 +195,7 @@ class Programs:
         return None
 
     def end(self) -> None:
-        """Ends the programs that still run, and no other is begun."""
+        """Ends the programs that still run, and prevents others from starting."""
         self._threads.shutdown(wait=False, cancel_futures=True)
         while not all(future.done() for future in self._running):
             from refdem.engines.external.process import end_all
@@ -241,9 +241,9 @@ class Schedule:
     def _working(self, jobs: list[Job]) -> Iterator[tuple[Job, bytes | Failure]]:
         """The results of worker processes.
 
-        A worker that dies while it starts, or in the midst of a result, breaks the whole pool. The
-        pool is made again, and what had been handed to it is handed over once more; where that
-        breaks POOLS pools without a result, these jobs have failed.
+        A worker that dies during its start, or while it returns a result, breaks the whole pool.
+        The pool is then replaced, and its jobs are handed to the new one. If POOLS consecutive
+        pools break without a result, these jobs fail.
         """
         self._employ(min(self._most, len(jobs)))
         self._in_order = time.monotonic()
@@ -278,11 +278,11 @@ class Schedule:
             yield from take_back(running)
 
     def _lost(self, running: dict[Any, Job], *, is_going: bool) -> list[Job]:
-        """The jobs that no worker has taken for UNTAKEN seconds although one is free; they no
-        longer run. `is_going` says that a result has just come.
+        """The jobs that no worker has taken for UNTAKEN seconds although one is free; they are
+        removed from `running`. `is_going` is true if a result has just arrived.
 
-        Where that happens twice without a result, the pool is stopped: a worker that was killed in
-        the midst of a result has left a part of it, and the pool waits for the rest.
+        If this happens twice without a result, the pool is stopped: a worker that was killed while
+        it returned a result has left an incomplete one, and the pool waits for the rest.
         """
         untaken = [future for future in running if not (future.running() or future.done())]
         taken = len(running) - len(untaken)
@@ -303,7 +303,7 @@ class Schedule:
     def _hand_over(
         self, waiting: deque[Job], running: dict[Any, Job]
     ) -> Iterator[tuple[Job, Failure]]:
-        """Moves jobs to the workers, as long as these have few; yields those that are given up."""
+        """Hands jobs to the workers while these have few; yields those that are given up."""
         while waiting and self._has_room(running) and self._pool.active:
             job = waiting.popleft()
             failure = job.given_up()
@@ -326,7 +326,7 @@ class Schedule:
         return len(running) < 4 * self._size and size < MOST_WAITING
 
     def _employ(self, workers: int) -> None:
-        """Starts so many workers, unless there are as many."""
+        """Starts `workers` workers, unless there are as many already."""
         if self._size < workers:
             self._dismiss()
             self._size = workers
@@ -399,9 +399,7 @@ class Schedule:
 
 
 def take_back(running: dict[Any, Job]) -> Iterator[tuple[Job, Failure]]:
-    """The jobs among those that run which, by what the last results say, are not worth waiting for
-    any more.
-    """
+    """The running jobs that are given up in view of the latest results."""
     vain = [
         (future, failure)
         for future, job in running.items()
@@ -413,18 +411,18 @@ def take_back(running: dict[Any, Job]) -> Iterator[tuple[Job, Failure]]:
 
 
 def begin(parent: int, temporary: str) -> None:
-    """Lets this worker process end when its parent does, in whatever way that ends (Linux), and use
-    the parent's folder of temporary files.
+    """Makes this worker process end when its parent ends in any way (Linux), and use the parent's
+    folder of temporary files.
 
-    Otherwise `tempfile` looks for that folder by making a file in it, which stays if the worker is
-    killed just then.
+    Otherwise `tempfile` would test that folder by making a file in it, which stays if the worker is
+    killed at that moment.
     """
     tempfile.tempdir = temporary
-    # The pool has let this process ignore interrupts by now.
+    # By now the pool has made this process ignore interrupts.
     unblock_interrupts()
     if sys.platform == "linux":
         ctypes.CDLL(None).prctl(PR_SET_PDEATHSIG, signal.SIGKILL, 0, 0, 0)
-    # It may have ended before this was asked for.
+    # The parent may have ended before prctl was called.
     if os.getppid() != parent:
         os._exit(1)
 
@@ -445,7 +443,7 @@ def limited(limit: float, function: Callable[..., bytes], *arguments: Any) -> by
     """
     used = resource.getrusage(resource.RUSAGE_SELF)
     before, hard_limit = resource.getrlimit(resource.RLIMIT_CPU)
-    # A process that is ended so leaves no core file.
+    # A process that is ended by this limit writes no core file.
     _, hard_core_limit = resource.getrlimit(resource.RLIMIT_CORE)
     resource.setrlimit(resource.RLIMIT_CORE, (0, hard_core_limit))
     end = math.ceil(used.ru_utime + used.ru_stime + limit)

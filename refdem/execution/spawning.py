@@ -1,12 +1,11 @@
-"""How worker processes are started: afresh, out of reach of interrupts, with locks that end with
-whoever holds them.
+"""How worker processes are started: by spawning, protected from interrupts, with locks that are
+released when their holder ends.
 
 Python's own locks between processes are files in /dev/shm, which all of these processes map. Any
-program may truncate them, and that ends the processes by SIGBUS. They are also known to a process
-of Python's, its resource tracker, by name; one that was killed and started again does not know
-them, and says so by a traceback. And one whose holder is killed stays locked for ever. A record
-lock on a pipe, see fcntl(2), has no name, nothing of it is mapped, and the system releases it when
-its holder ends.
+program may truncate them, which ends the processes by SIGBUS. They are also registered by name with
+Python's resource tracker. If that process is killed and restarted, it does not know them and prints
+a traceback. A lock whose holder is killed stays locked for ever. A record lock on a pipe, see
+fcntl(2), has no name and no mapped memory, and the system releases it when its holder ends.
 """
 
 import fcntl
@@ -28,13 +27,13 @@ reads a job or writes a result.
 class PipeLock:
     """A lock between processes: whoever has a record lock on the pipe holds it.
 
-    It has those methods of `multiprocessing.RLock` that the pool of workers calls. Its holder, a
-    thread, may acquire it once more, and releases it as often as it was acquired.
+    It has those methods of `multiprocessing.RLock` that the pool of workers calls. The thread that
+    holds it may acquire it again, and must release it as often as it acquired it.
     """
 
     def __init__(self, context: SpawnContext) -> None:
         """Makes the pipe; a process that is started by the context may be given this lock."""
-        # Nothing goes through the pipe. Only an end that can be written can be locked.
+        # No data is sent through the pipe. Only its writable end can be locked exclusively.
         unused, end = context.Pipe(duplex=False)
         unused.close()
         self.__setstate__(end)
@@ -45,7 +44,7 @@ class PipeLock:
 
     def __setstate__(self, end: Connection) -> None:
         self._end = end
-        # A record lock is held by a process; among its threads this one decides.
+        # A record lock is held by a process; this lock excludes its threads from one another.
         self._of_threads = threading.RLock()
         self._times = 0
 
@@ -67,7 +66,7 @@ class PipeLock:
         return True
 
     def release(self) -> None:
-        """Takes one acquisition back; after the last one another thread or process may hold it."""
+        """Undoes one acquisition; after the last one another thread or process may acquire it."""
         self._times -= 1
         if self._times == 0:
             fcntl.lockf(self._end.fileno(), fcntl.LOCK_UN)
@@ -86,7 +85,7 @@ class PipeLock:
         try:
             fcntl.lockf(self._end.fileno(), fcntl.LOCK_EX | fcntl.LOCK_NB)
         except (BlockingIOError, PermissionError):
-            # Another process holds it: systems say so in one of these ways.
+            # Another process holds it: systems report this by one of these errors.
             return False
         return True
 
@@ -94,8 +93,8 @@ class PipeLock:
 class SpawnedProcess(SpawnProcess):
     """A process that an interrupt does not reach while it starts.
 
-    A terminal interrupts all processes of a command. One that still imports its modules would end
-    by a traceback, before it could say that interrupts are its parent's.
+    A terminal interrupts all processes of a command. A process that is still importing its modules
+    would end with a traceback, before it could leave interrupts to its parent.
     """
 
     @staticmethod

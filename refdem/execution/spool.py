@@ -49,7 +49,7 @@ class Spool:
 def spool() -> Iterator[Spool]:
     """An empty spool for this context.
 
-    Its file has no name, so that nothing stays where the process is killed.
+    Its file has no name, so that nothing remains if the process is killed.
     """
     with tempfile.SpooledTemporaryFile(max_size=IN_MEMORY) as file:
         yield Spool(file)

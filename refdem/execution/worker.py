@@ -1,5 +1,5 @@
-"""The functions that a worker process runs: one truth or one run, from bytes to bytes; a fault of
-an engine becomes a Failure.
+"""The functions that a worker process runs: one truth or one run, with bytes as input and output.
+An exception of an engine becomes a Failure.
 """
 
 import contextlib
@@ -27,7 +27,7 @@ from refdem.errors import (
 )
 
 COUNT_BYTES = 4
-"""Of a number of certified times."""
+"""Bytes of a number of certified times."""
 
 
 class Reply(msgspec.Struct, frozen=True, kw_only=True):
@@ -55,9 +55,9 @@ def sampled_truth(
     """The truth of an instance at its samples, and `delays` [s] before them, as MessagePack of
     SampledTruth.
 
-    until = 0 and a reason if nothing is certified. `most` limits the number of samples, without
-    scalars then. `counter` is (path, row) of a file into which the number of certified samples is
-    written as the proof goes on, for the case that this process is killed.
+    If nothing is certified, `until` is 0 and `reason` states why. `most` limits the number of
+    samples; there are then no scalars. `counter` is (path, row) of a file into which the number of
+    certified samples is written during the proof, in case this process is killed.
     """
     from refdem.truth.balls import UndecidedError
     from refdem.truth.sampled import sampled
@@ -102,7 +102,7 @@ def telling(proof: Truth, place: str, row: int) -> Iterator[None]:
     try:
         file = os.open(place, os.O_WRONLY)
     except OSError:
-        # Without /proc the number is not kept, and what a killed proof had certified is lost.
+        # Without /proc the number is not stored, and the samples of a killed proof are lost.
         yield
         return
     original = proof.sensitivity
@@ -110,7 +110,7 @@ def telling(proof: Truth, place: str, row: int) -> Iterator[None]:
     count = 0
 
     def sensitivity(t: Fraction) -> float:
-        """S(t) as before; a time later than all before it counts as one more that is certified."""
+        """S(t), unchanged; each time later than all previous ones counts as one more certified."""
         nonlocal latest, count
         bound = original(t)
         if t > latest:
@@ -119,7 +119,8 @@ def telling(proof: Truth, place: str, row: int) -> Iterator[None]:
             os.pwrite(file, count.to_bytes(COUNT_BYTES, "little"), COUNT_BYTES * row)
         return bound
 
-    # S is the last thing that is asked for at a sample, so it is wrapped, of this object only.
+    # S is the last value computed at a sample, so that the wrapper counts completed samples. It is
+    # set on this object only.
     vars(proof)["sensitivity"] = sensitivity
     try:
         yield
@@ -129,8 +130,8 @@ def telling(proof: Truth, place: str, row: int) -> Iterator[None]:
 
 
 def run(engine: str, request: bytes, deadline: float = math.inf) -> bytes:
-    """One run of an engine, as MessagePack of Reply; none any more once the monotonic clock [s] has
-    passed the deadline.
+    """One run of an engine, as MessagePack of Reply; it is not started after the deadline [s] of
+    the monotonic clock.
     """
     return finished(stages(engine, request, deadline))
 
@@ -150,8 +151,9 @@ def stages(engine: str, request: bytes, deadline: float = math.inf) -> Stages[by
 
 
 def reply_of(address: str, request: Request, engine: Engine | None = None) -> Stages[Reply]:
-    """The reply to a request; the one place where an engine's exceptions, whatever they are, become
-    a Failure. An `engine` that is handed in need not be discovered.
+    """The reply to a request; the only place where exceptions of an engine become a Failure.
+
+    An `engine` that is given need not be discoverable.
     """
     try:
         runner = engine or discovery.engine(address)

@@ -59,7 +59,7 @@ class World:
     """The constants of a motion: bodies and elements, with all numbers of the precision `number`.
 
     `links` and `fields` have the elements that define their own force; `lying` has the pairs of a
-    rigid sphere and the plane on which it lies.
+    rigid sphere and the plane on which it rests.
     """
 
     number: Callable[[float], Number]

@@ -1,8 +1,8 @@
-"""The baseline: the findings on a program when someone accepted them, with the reason why.
+"""The baseline: the findings on a program at the time when they were accepted, with the reason.
 
-The first line of the file says of which engine they are, how many, and their digest: a baseline
-that was cut down, or that belongs to another program, would open the gate for whatever it does not
-know.
+The first line of the file has the engine, the number of findings and their digest. Without it, a
+truncated baseline, or that of another program, would let the gate pass on all findings that it
+lacks.
 """
 
 import hashlib
@@ -20,9 +20,9 @@ from refdem.errors import StoreError, UsageError
 FORMAT = 2
 """Version of the format of a baseline."""
 MOST_SHOWN = 20
-"""Changes of a kind that blessing shows one by one."""
+"""Most changes of each kind that are listed when a baseline is written."""
 PARTS = 5
-"""Of an id: case, engine, method, check, quantity."""
+"""Number of parts of an id: case, engine, method, check, quantity."""
 
 
 class Accepted(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
@@ -65,8 +65,10 @@ def accepted(record: Record, finding: Finding) -> Accepted:
 
 
 def read(path: Path, engine: str = "") -> tuple[Header, dict[str, Accepted]]:
-    """Header and findings by id; raises UsageError, saying how to make one, if the file is missing
-    or broken, or of another `engine` than this one.
+    """Header and findings by id.
+
+    Raises UsageError, which states how to make a baseline, if the file is missing or malformed, or
+    belongs to another engine than `engine`.
     """
     if not path.is_file():
         raise UsageError(
@@ -161,8 +163,9 @@ def write(path: Path, records: list[Record], why: str) -> int:
 
 
 def differences(before: dict[str, Accepted], records: list[Record]) -> list[str]:
-    """The changes that accepting these records would make to a baseline, a line each, and at most
-    MOST_SHOWN of a kind; none where there is no baseline yet.
+    """The changes of a baseline if these records are accepted, one line each.
+
+    There are at most MOST_SHOWN of each kind, and none if there is no baseline yet.
     """
     if not before:
         return []
@@ -203,7 +206,7 @@ def _near(a: float | None, b: float | None) -> bool:
     """True if two numbers agree to a tenth of the larger, or are both missing."""
     if a is None or b is None:
         return a is b
-    # Equality is asked for itself: the difference of two infinities is not a number.
+    # Equality is tested first, because the difference of two infinities is NaN.
     return a == b or abs(a - b) <= 0.1 * max(abs(a), abs(b))
 
 

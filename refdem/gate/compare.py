@@ -11,13 +11,13 @@ from refdem.gate.baseline import Accepted
 from refdem.planning.missing import with_missing
 
 WORSE = 1.5
-"""A finding is worse when its size grows by more than this factor: a method's error constant does
-not move by itself.
+"""A finding is worse if its size grows by more than this factor. An error constant of an unchanged
+method does not change.
 """
 
 QUIET = 0.01
-"""Two decades inside its bound, a value that is no error constant is round-off: any rearrangement
-of sums may move it.
+"""Margin [decades] to its bound beyond which a value that is no error constant counts as round-off,
+which any rearrangement of sums may change.
 """
 
 Noise = Callable[[Record, Finding], float]
@@ -36,7 +36,8 @@ def size(finding: Finding) -> float | None:
 def compared(records: list[Record], baseline: dict[str, Accepted], noise: Noise) -> list[Record]:
     """The records in which findings are worse or lost against the baseline.
 
-    A finding of the baseline that was not made is absent, or named in the error that explains it.
+    A finding of the baseline that was not made is absent, or is named in the error that explains
+    it.
     """
     changed = []
     for record in records:

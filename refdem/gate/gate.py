@@ -25,12 +25,11 @@ from refdem.planning.resolution import measured
 from refdem.planning.specification import Entry, Specification, named
 
 ULPS = (2, -2, 6)
-"""Units in the last place by which the starts of reruns are moved, to see how much of a value is
-noise.
+"""Units in the last place by which the starts of reruns are moved, to measure the noise of a value.
 """
 GRACE = 30.0
-"""Seconds beyond the program's own time limit before its worker is killed: the program's limit
-comes first.
+"""Seconds in addition to the program's own time limit before its worker is killed, so that the
+program's limit takes effect first.
 """
 
 
@@ -80,8 +79,8 @@ class Gate:
         return sheets
 
     def resolution(self) -> list[Resolution]:
-        """What the program would have noticed of each number of its scenes: it runs some twenty
-        times more for each of them.
+        """The resolution for each number of the program's scenes, by about twenty more runs for
+        each.
         """
         return measured(self.specification(), self.store, self.jobs, self.progress, use_store=False)
 
@@ -103,7 +102,7 @@ class Gate:
 
     def noise(self, record: Record, finding: Finding) -> float:
         """The largest change of a finding's size in reruns whose starts are moved by ULPS; 0 for a
-        probe, which has one start.
+        probe, which is not rerun.
         """
         size = compare.size(finding)
         if size is None or record.label == LABEL:

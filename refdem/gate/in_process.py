@@ -1,4 +1,4 @@
-"""The gate for a Python code in its own tests: no worker process, no file, no store."""
+"""The gate for a Python code in its own tests, without worker processes, files or a store."""
 
 import tempfile
 from collections.abc import Iterable
@@ -21,7 +21,7 @@ def records(engine: Engine, cases: Iterable[str] = (), *, levels: int = 4) -> li
     the probes of `refdem smoke`.
     """
     named_cases = [Entry(*labelled(case)) for case in cases]
-    # A campaign names its engines, and needs a store: both exist only while this one runs.
+    # A campaign needs engines with names and a store. Both exist only during this call.
     with discovery.engine_here(engine), tempfile.TemporaryDirectory() as folder:
         entries = named_cases or supported(engine)
         specification = Specification(

@@ -9,9 +9,9 @@ from refdem.core.outside import markdown_text, one_line
 from refdem.gate.probing import LABEL
 
 MAX_FINDINGS = 20
-"""Rows of the table: a comment on a pull request stays readable."""
+"""Most rows of the table, so that a comment on a pull request stays readable."""
 MAX_SENTENCE = 300
-"""Characters of a finding's sentence in the table."""
+"""Most characters of a finding's sentence in the table."""
 
 
 def markdown(engine: str, sheets: list[Sheet]) -> str:

@@ -1,4 +1,6 @@
-"""One step of an integrator of one's own, as an engine that the checks judge in process."""
+"""A user's integrator, given by a function for one step, as an engine that the checks judge in
+process.
+"""
 
 from collections.abc import Callable
 from time import perf_counter
@@ -20,7 +22,7 @@ Step = Callable[[float, Array, Array, float, Acceleration], tuple[Array, Array]]
 
 
 class OwnStep(Engine):
-    """Points in the forces of a scene, moved by a function that makes one step of one's method."""
+    """Points in the forces of a scene, moved by a function for one step of the user's method."""
 
     title = "Own integrator"
 
@@ -38,11 +40,11 @@ class OwnStep(Engine):
         return self.step.__name__
 
     def fingerprint(self, method: Method) -> str:
-        """The name of the function, of which nothing is kept in a store."""
+        """The name of the function; its runs are never stored."""
         return self.version()
 
     def unsupported_motion(self, problem: Motion, method: Method) -> str | None:
-        """None for points in forces, else what the scene has beyond them."""
+        """None for points in forces, else the unsupported feature of the scene."""
         lacks = lacking(problem.scene)
         if lacks is None:
             return None

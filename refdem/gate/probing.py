@@ -1,5 +1,5 @@
-"""The probes of `refdem smoke` as a record of a gate: what no case of the catalogue shows, such as
-stale lists of neighbours, pairs across a periodic boundary, and fixed bodies.
+"""The probes of `refdem smoke` as a record of a gate: they test what no case of the catalogue does,
+such as stale neighbour lists, pairs across a periodic boundary, and fixed bodies.
 """
 
 from refdem.core.engine import Engine
@@ -8,7 +8,7 @@ from refdem.planning.deviations import applied, of_engine
 from refdem.smoke.battery import smoke
 
 LABEL = "smoke"
-"""The case and the label of the record, which no case of the catalogue has."""
+"""The case and the label of the record; no case of the catalogue has this name."""
 METHOD = "all"
 """The method of the record: of each quantity it has the method with the largest error."""
 

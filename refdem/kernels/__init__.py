@@ -91,8 +91,8 @@ def timed(call: Callable[..., Any], *arguments: Any) -> tuple[float, Any]:
 
 
 def prepared(family: str) -> Any:
-    """Room for what a kernel makes of a start before it is asked for samples: the family's
-    `refdem_<family>_size` doubles.
+    """Memory for what a kernel computes from a start before it computes samples: the
+    `refdem_<family>_size` doubles of the family.
     """
     module = load(family)
     return module.ffi.new("double[]", getattr(module.lib, f"refdem_{family}_size")())

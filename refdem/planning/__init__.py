@@ -1,1 +1,1 @@
-"""What a campaign runs, and how what comes back is judged."""
+"""What a campaign runs, and how the results are judged."""

@@ -29,8 +29,9 @@ from refdem.planning.truths import is_lasting, sampled_truths
 class Campaign:
     """One campaign, in `jobs` worker processes, or in this one if that is 0.
 
-    `use_store` False runs everything anew (truth is proved once all the same). `scheduler`, if any,
-    is the address of a Dask scheduler, whose workers make the runs; truths are proved here.
+    If `use_store` is false, everything is run anew, except that a truth is still proved only once.
+    `scheduler`, if any, is the address of a Dask scheduler, whose workers make the runs; truths are
+    proved on this machine.
     """
 
     specification: Specification
@@ -43,11 +44,11 @@ class Campaign:
     def sheets(self) -> list[Sheet]:
         """All sheets of the campaign.
 
-        They are read from the store if nothing has changed since an equal campaign. They are kept
-        there unless a run or a proof ended in a way that may not recur.
+        They are read from the store if nothing has changed since an equal campaign. They are stored
+        unless a run or a proof ended in a way that may not be reproducible.
         """
         start = time.perf_counter()
-        # Also where nothing is run now: one may have been killed when all its runs were done.
+        # Folders of killed processes are deleted even if nothing is run now.
         folders.sweep()
         engines, _ = plan.engines(self.specification)
         _refuse_namesakes(engines)
@@ -146,7 +147,7 @@ class Campaign:
 @dataclass(frozen=True, kw_only=True)
 class Ended:
     """The outcome of a campaign: the sheets of engines, cases and records, the numbers of runs made
-    and read from the store, and whether it would come out the same next time.
+    and read from the store, and whether the outcome is reproducible.
     """
 
     sheets: list[Sheet]

@@ -1,5 +1,5 @@
-"""Certified derivatives for checks, and the numbers of a scene by which programs are asked for
-theirs.
+"""Certified derivatives for checks, and the numbers of a scene by which programs are requested to
+differentiate.
 """
 
 from fractions import Fraction

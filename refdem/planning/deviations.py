@@ -1,5 +1,5 @@
-"""Expected deviations: values known to be out of bounds, each with its range, reason and link; they
-go stale when they hold.
+"""Expected deviations: values known to be out of bounds, each with its range, reason and link. One
+becomes stale when its finding passes.
 """
 
 import msgspec
@@ -32,8 +32,8 @@ def of_engine(engine: Engine) -> list[Deviation]:
 
 
 def applied(record: Record, deviations: list[Deviation]) -> Record:
-    """The record with failing findings excused where a deviation covers them, and covered findings
-    that hold made stale.
+    """The record in which failing findings that a deviation covers are expected, and passing ones
+    that a deviation covers are stale.
     """
     findings = tuple(_applied(record, finding, deviations) for finding in record.findings)
     return msgspec.structs.replace(record, findings=findings)

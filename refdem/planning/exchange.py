@@ -1,13 +1,13 @@
-"""Programs that run elsewhere: their requests as folders, and their trajectories judged when they
-have come back.
+"""Programs that run elsewhere: their requests are exported as folders, and the returned
+trajectories are judged.
 
-A folder holds a manifest, a copy of each refdem.toml, and for every run a folder of its own with
-request.json and request.txt, into which its trajectory.csv (and events.csv) goes. A run that goes
-on from the end of another can only be written when that one has come back: a second export into the
-same folder does it.
+A folder holds a manifest, a copy of each refdem.toml, and one folder per run with request.json and
+request.txt, in which its trajectory.csv (and events.csv) is to be put. A run that continues from
+the end of another one needs that one's trajectory, so that its request is written by a second
+export into the same folder.
 
-A program that stays alive gets its requests as lines, in a file NAME-requests.jsonl, whose ids are
-the folders of the runs; what it answers may come back in files *answers*.jsonl.
+A program that stays alive gets its requests as lines in a file NAME-requests.jsonl, whose ids are
+the folders of the runs. Its answers may be returned in files *answers*.jsonl.
 """
 
 import contextlib
@@ -46,13 +46,13 @@ from refdem.scene import bodies_file
 MANIFEST = "manifest.json"
 RUNS = "runs.txt"
 ANSWERS = "*answers*.jsonl"
-"""The files with the lines that programs which stay alive have answered."""
+"""Names of the files with answers of programs that stay alive, one answer per line."""
 REFUSED = "unsupported.txt"
-"""The file in a run's folder, in place of a trajectory, with the reason why the program ended with
-77, not supported.
+"""The file in a run's folder, in place of a trajectory, with the reason of exit status 77 (not
+supported).
 """
 LAST_WORDS = 200
-"""Characters of a reason that are shown, the last ones."""
+"""Most characters of a reason that are shown, the last ones."""
 FORMAT = 1
 """Of a manifest."""
 
@@ -70,8 +70,10 @@ class Manifest(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=
 
 
 class Elsewhere(Engine):
-    """A program that runs elsewhere: here are its description (`described`, of which it has the
-    claims) and a folder for each run. `writes` says that missing requests are written.
+    """A program that runs elsewhere, known here by its description and a folder for each run.
+
+    `described` is the engine of its refdem.toml, from which the claims are taken. If `writes` is
+    true, missing requests are written.
     """
 
     def __init__(self, described: Engine, version: str, folder: Path, *, writes: bool) -> None:
@@ -109,10 +111,10 @@ class Elsewhere(Engine):
         return self.described.unsupported_motion(problem, method)
 
     def run(self, request: Request) -> tuple[Trajectory, Cost]:
-        """The trajectory that came back for a request.
+        """The returned trajectory of a request.
 
-        Raises EngineError for one that is missing or whose request is not exported yet, and
-        UnsupportedError where the folder says that the program refused.
+        Raises EngineError if it is missing or its request is not exported yet, and UnsupportedError
+        if the folder has the reason why the program refused.
         """
         # The folder of a run is named for the request; equal requests are numbered from 2 on.
         key = request.key(self.name)
@@ -167,8 +169,8 @@ def _last_words(file: BinaryIO) -> str:
 
 
 def _plain(path: Path) -> Path:
-    """The path; raises UsageError if a link, a pipe or a device has this name, which another
-    machine may have made.
+    """The path; raises UsageError if it is a link, a pipe or a device, since the folder was filled
+    on another machine.
     """
     try:
         file = opened(path)
@@ -180,8 +182,9 @@ def _plain(path: Path) -> Path:
 
 
 def answers(folder: Path) -> dict[str, dict[str, Any]]:
-    """What programs that stay alive have answered, by the folder of the run; lines that are no
-    answers are passed over, since it is trajectories that are judged.
+    """The answers of programs that stay alive, by the folder of the run.
+
+    Lines that are no answers are ignored, since only trajectories are judged.
     """
     found: dict[str, dict[str, Any]] = {}
     for path in sorted(folder.glob(ANSWERS)):
@@ -263,7 +266,7 @@ def requests_of(name: str) -> str:
 
 
 def judged(folder: Path, store: Store, progress: Progress) -> list[Sheet]:
-    """Everything found in the trajectories of a folder; one that is missing is an error."""
+    """The findings on the trajectories in a folder; a missing trajectory is an error."""
     sheets, _ = _campaign(folder, read(folder), store, progress, writes=False)
     return sheets
 
@@ -298,8 +301,8 @@ def read(folder: Path) -> Manifest:
 def _campaign(
     folder: Path, manifest: Manifest, store: Store, progress: Progress, *, writes: bool
 ) -> tuple[list[Sheet], list[Elsewhere]]:
-    """The campaign of an export in this process, and its programs, which know what has not come
-    back.
+    """The campaign of an export in this process, and its programs, which record the missing
+    trajectories.
     """
     names = list(manifest.versions)
     with contextlib.ExitStack() as here:

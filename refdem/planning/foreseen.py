@@ -5,15 +5,15 @@ Theorem: a number p misread by a factor 1 + a displaces every quantity q of a ru
 
     dq(t) = a p dq/dp(t) + O(a^2),
 
-so that the error of an otherwise exact run exceeds a bound b from a = b/(|dq/dp| |p|) on. The
-smallest such a, over samples, quantities and checks, is the resolution.
+so that the error of an otherwise exact run exceeds a bound b for a > b/(|dq/dp| |p|). The smallest
+such threshold, over samples, quantities and checks, is the resolution.
 
 Hypotheses, and where each is checked:
 
-* the derivatives exist, which they do not where the kind of motion changes at the parameter:
-  `sensitivities` brackets them, and `missing` lists those that do not exist;
-* the displacement of a run is that of the true motion to first order, which holds for a converging
-  run, and a is small: `SMALL`.
+* the derivatives exist. They do not where the kind of motion changes at the parameter.
+  `sensitivities` encloses them, and `missing` lists those that do not exist;
+* a run is displaced as the true motion is, to first order. This holds for a converging run and
+  small a: `SMALL`.
 
 Errors of the run itself are included: the runs that were judged are displaced by a p dq/dp and
 judged again. Laws that are judged by states and not by quantities (energy, momentum, lengths of
@@ -53,17 +53,17 @@ DIGITS = 17
 SAMPLES = 65
 """Samples at which derivatives are taken, spread over the run."""
 SMALL = 1e-2
-"""The largest misreading for which the first order in it is taken for all of it."""
+"""The largest misreading for which terms of second and higher order are neglected."""
 PROBES = (1.0 + 2.0**-20, 1.0 - 2.0**-20)
-"""The factors by which numbers are misread to see which of the case are those of the scene: the
-second where the first leaves what a scene may be, as of a restitution of 1.
+"""Factors by which numbers of a case are multiplied to find the numbers of the scene that follow
+from them. The second is used where the first gives an invalid scene, such as a restitution above 1.
 """
 ALIKE = 1e-9
-"""Relative distance of numbers of scenes that are the same: far less than the factor changes them,
-far more than they are rounded.
+"""Relative difference up to which numbers of two scenes count as equal: far below the change by a
+factor, and far above rounding.
 """
 STILL = 1e-12
-"""Displacement, in scales, for a misreading by all of the number, that is none."""
+"""Displacement in scales, for a misreading by 100 %, up to which a number has no effect."""
 NO_DERIVATIVE = "there is no derivative by it: the motion is of another kind on one side"
 NOT_OF_THE_CASE = "it is no number of the case, nor a vector of it"
 NOT_SMALL = f"no misreading of {100 * SMALL:g} % or less is noticed"
@@ -71,7 +71,7 @@ NOT_SMALL = f"no misreading of {100 * SMALL:g} % or less is noticed"
 
 @dataclass(frozen=True, eq=False)
 class Displaced(Instance):
-    """An instance whose quantities are seen displaced by `by` (T,), each in its unit."""
+    """An instance whose observed quantities are displaced by `by` (T,), each in its unit."""
 
     by: Mapping[str, Array]
 
@@ -85,7 +85,7 @@ class Displaced(Instance):
 
 
 def beside(specification: Specification, found: Resolution) -> Resolution:
-    """What was measured of a method on a case, and beside it what is computed of each number."""
+    """The measured resolution of a method on a case, with the predicted one of each number."""
     instance = discovery.case(labelled(found.label)[0]).at(**labelled(found.label)[1])
     narrow = msgspec.structs.replace(specification, case=[], engines=[], method=found.method)
     engine = discovery.engine(found.engine)
@@ -108,7 +108,7 @@ def beside(specification: Specification, found: Resolution) -> Resolution:
 def foreseen(
     specification: Specification, engine: Engine, instance: Instance, truth: SampledTruth
 ) -> tuple[Seen, ...]:
-    """What the method that the specification names would notice of each number of the scene.
+    """The predicted resolution of the specified method for each number of the scene.
 
     Raises NotCertifiedError where derivatives are not certified.
     """
@@ -127,7 +127,7 @@ def foreseen(
 
 
 def _seen(verdicts: "Verdicts", slopes: "Slopes", number: scene_numbers.Number) -> Seen:
-    """What is noticed of one number of the scene."""
+    """The predicted resolution for one number of the scene."""
     instance = verdicts.task.subject.instance
     directions = numbers_behind(instance, number)
     if not directions:
@@ -146,11 +146,11 @@ def _seen(verdicts: "Verdicts", slopes: "Slopes", number: scene_numbers.Number) 
 
 @dataclass(frozen=True)
 class Verdicts:
-    """The runs of a task, to be judged displaced."""
+    """The runs of a task, which are judged with displaced quantities."""
 
     task: Task
     runs: dict[Variant, Run]
-    """Grows by the finer levels that a check asks for in view of displaced runs."""
+    """All runs so far; checks may request finer levels after they have seen displaced runs."""
 
     def displaced(self, by: Mapping[str, Array], amount: float) -> Trial:
         """The findings of the runs whose quantities are displaced by `amount` times `by`."""
@@ -164,8 +164,11 @@ class Verdicts:
 
 @dataclass(frozen=True)
 class Slopes:
-    """What each number of a case times its derivative is, of each quantity at each sample (T,); 0
-    at samples at which it was not taken. `missing` are those without a derivative.
+    """The logarithmic derivatives p dq/dp of every quantity q by every number p of a case, at each
+    sample (T,).
+
+    They are 0 at samples at which they were not computed. `missing` are the numbers without a
+    derivative.
     """
 
     by_number: Mapping[str, Mapping[str, Array]]
@@ -173,14 +176,14 @@ class Slopes:
 
     @classmethod
     def of(cls, instance: Instance, truth: SampledTruth) -> "Slopes":
-        """The derivatives at SAMPLES samples as far as truth is certified."""
+        """The derivatives at SAMPLES samples, up to the last time at which truth is certified."""
         make = instance.case.truth
         p = instance.case.written_out(instance.p)
         numbers = list(numbers_of(p))
         spread = np.linspace(0, truth.until - 1, min(SAMPLES, truth.until))
         samples = np.unique(spread.astype(int))
         times = [Fraction(float(instance.times[sample])) for sample in samples]
-        # The last one is bracketed, which says of which numbers there is none.
+        # The derivatives at the last time are enclosed to find the numbers that have none.
         missing = frozenset(sensitivities(make, p, times[-1], DIGITS).missing)
         found = at_times(make, p, numbers, times, DIGITS)
         by_number: dict[str, dict[str, Array]] = {}
@@ -196,7 +199,9 @@ class Slopes:
         return cls(by_number, missing)
 
     def along(self, numbers: Sequence[Number]) -> dict[str, Array]:
-        """The change of every quantity for a misreading of all these numbers by the same part."""
+        """dq/da of every quantity where all these numbers are multiplied by 1 + a: the sum of
+        p dq/dp.
+        """
         first, *others = (self.by_number[number.name] for number in numbers)
         summed = dict(first)
         for other in others:

@@ -13,7 +13,7 @@ from refdem.core.selection import Selection
 from refdem.errors import UsageError
 
 MOST = 2500
-"""Settings at most, a map of 50 by 50: a range whose step was mistyped easily has more."""
+"""Largest number of settings, 50 by 50: a range with a mistyped step easily has more."""
 EXAMPLES = "0.5,1,2 or 0.5:2:0.5 (first:last:step)"
 
 
@@ -53,7 +53,7 @@ def instances(label: str, pairs: list[str]) -> tuple[list[Instance], list[str]]:
         except UsageError as error:
             place = " ".join(f"{key}={value}" for key, value in given.items())
             raise UsageError(f"setting {one_line(place)}: {error}") from error
-        # What is written in two ways, as 1 and 1.0, is one setting.
+        # The same setting may be written in two ways, such as 1 and 1.0.
         found.setdefault(instance.label, instance)
     return list(found.values()), list(values)
 
@@ -97,7 +97,7 @@ def values_of(parameter: Parameter, text: str) -> list[str]:
 
 
 def _range(parameter: Parameter, text: str) -> list[str]:
-    """The numbers of `first:last:step`, exact; the last one is there if a step meets it."""
+    """The numbers of `first:last:step`, exact; `last` is included if a step ends there."""
     parts = text.split(":")
     if len(parts) != 3 or parameter.shape or parameter.choices:
         raise UsageError(
@@ -116,7 +116,7 @@ def _range(parameter: Parameter, text: str) -> list[str]:
 
 
 def _example(parameter: Parameter) -> str:
-    """Values that the parameter could have, as a person may write them."""
+    """Examples of values of the parameter, as a user may write them."""
     if parameter.choices:
         return ",".join(parameter.choices)
     if parameter.shape:
@@ -125,7 +125,7 @@ def _example(parameter: Parameter) -> str:
 
 
 def _exact(text: str, name: str) -> Fraction:
-    """A number of a range; the bounds of the parameter do not hold for its step."""
+    """A number of a range, without the bounds of the parameter, which do not apply to the step."""
     number = Parameter(name=name, default="0", unit="1", doc="").parsed(text.strip())
     assert isinstance(number, Fraction)
     return number

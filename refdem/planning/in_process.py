@@ -23,8 +23,10 @@ from refdem.planning.specification import Specification
 
 
 def truth_of(instance: Instance) -> SampledTruth:
-    """The certified samples of an instance: those that come with refdem unless they are stale, else
-    proved now. until = 0 and a reason if there are none.
+    """The certified samples of an instance: those distributed with refdem unless they are stale,
+    else proved now.
+
+    If there are none, `until` is 0 and `reason` states why.
     """
     stored = kept_truth(instance)
     if stored is not None:
@@ -56,8 +58,8 @@ def record_of(
 ) -> Record:
     """The record of a task, whose runs are made in this process and judged.
 
-    `known` has runs of the same engine, which are not made again; new ones are added to it. The
-    `deviations` are those that are expected of the engine.
+    `known` has runs of the same engine, which are not repeated; new ones are added to it.
+    `deviations` are the expected deviations of the engine.
     """
     if known is None:
         runs: dict[Variant, Run] = {}

@@ -36,11 +36,10 @@ def record(
     read: Callable[[Run], Trajectory | None] = lambda run: run.trajectory,
     needed: Needs | None = None,
 ) -> Record:
-    """The record of one task. If nothing could be decided although every check was asked, it has an
-    error finding that says so.
+    """The record of one task; it has an error finding if no check could decide anything.
 
-    `read` has the trajectory of a run, where the run itself does not; `needed` is what `needs` says
-    of these runs, where that is known.
+    `read` returns the trajectory of a run whose trajectory is not in memory. `needed` is the result
+    of `needs` for these runs, if it is known.
     """
     instance = task.subject.instance
     if needed is None:
@@ -69,11 +68,11 @@ def record(
 
 
 def _is_void(task: Task, findings: list[Finding]) -> bool:
-    """True if nothing was decided for no stated reason: neither a refusal, nor an error, nor the
-    only checks that were asked for.
+    """True if nothing was decided and nothing explains it: no refusal, no error, and no selection
+    of checks.
 
-    A check that was named alone may find that a method's properties leave it nothing to decide, and
-    its reason stands.
+    A selected check may be unable to decide anything for a method, and then its own reason is
+    reported.
     """
     if any(finding.outcome in (*DECIDED, "error") for finding in findings):
         return False
@@ -84,8 +83,10 @@ def _is_void(task: Task, findings: list[Finding]) -> bool:
 
 @dataclass(frozen=True, eq=False)
 class _Completed(Mapping[Variant, CompletedRun]):
-    """The runs of a task that did not fail; the trajectory of each is read when a check asks for
-    it, because all of a large gas at once are most of the memory of a campaign.
+    """The runs of a task that did not fail.
+
+    Each trajectory is read when a check needs it: all trajectories of a large gas at once would
+    take most of the memory of a campaign.
     """
 
     runs: Mapping[Variant, Run]
@@ -149,8 +150,9 @@ def _completed(runs: Mapping[Variant, Run], read: Callable[[Run], Trajectory | N
 
 
 def _dispensable(runs: Mapping[Variant, Run]) -> set[Variant]:
-    """The variants without which a check can judge: symmetric and perturbed runs, each of which it
-    compares with the plain one by itself, where the engine refused them.
+    """The refused variants without which a check can still judge.
+
+    These are symmetric and perturbed runs, because each is compared with the plain run separately.
     """
     return {
         variant
@@ -176,8 +178,8 @@ def needs(
     runs: Mapping[Variant, Run],
     read: Callable[[Run], Trajectory | None] = lambda run: run.trajectory,
 ) -> Needs:
-    """The runs that each check of a task needs in view of those that were tried; none where the
-    task is not supported.
+    """The runs that each check of a task needs, given the results so far; none where the task is
+    not supported.
     """
     if task.unsupported is not None:
         return {}
@@ -210,8 +212,8 @@ def _may_refuse(task: Task, variant: Variant, run: Run) -> bool:
     """True if the engine declares that it cannot make this run.
 
     Either the variant is among those that it may refuse, or it does not support the start of this
-    very run. The latter was not known when the runs were planned: neither the end from which a run
-    goes on, nor which bodies still touch at a start moved by an ulp.
+    particular run. The start was not known when the runs were planned: it may be the end of another
+    run, and bodies may no longer touch at a start moved by an ulp.
     """
     if variant.change in task.engine.may_refuse:
         return True
@@ -228,9 +230,9 @@ def _refused_variant(check: Check, change: str, failed: Mapping[Variant, Failure
 def _failures(task: Task, failed: Mapping[Variant, Failure], *, ran: bool) -> list[Finding]:
     """At most one finding for all runs that failed: the worst of them, an error before a refusal.
 
-    A program that refuses every run does not support the scene. The reference refuses before it
-    runs or not at all, and whoever runs a scene at all runs it at every step and in every variant:
-    any other refusal is an error.
+    A program that refuses every run does not support the scene. Any other refusal is an error: a
+    program that runs a scene must run it at every step and in every variant, and the reference may
+    refuse only before it runs.
     """
     if not failed:
         return []
@@ -260,8 +262,8 @@ _REFUSED_IN_PART = (
 def _failure_sentence(failures: Mapping[Variant, Failure], count: int) -> str:
     """The first of some failures in a sentence, with the number of all runs that failed, `count`.
 
-    A run that was begun goes before those that were not: it is the cause. Which runs were not
-    begun any more depends on how many ran at once.
+    A run that was started precedes those that were not, because it is the cause. Which runs were
+    not started depends on the number of runs in parallel.
     """
     begun = {variant: failure for variant, failure in failures.items() if failure.is_begun}
     variant, failure = next(iter((begun or failures).items()))
@@ -274,7 +276,7 @@ def _failure_sentence(failures: Mapping[Variant, Failure], count: int) -> str:
 
 
 def _judged(task: Task, check: Check, outcomes: Mapping[Variant, CompletedRun]) -> list[Finding]:
-    """The findings of a check; a trajectory that it cannot read is an error of the engine."""
+    """The findings of a check; a trajectory that it cannot process is an error of the engine."""
     try:
         return check.judge(task.subject, outcomes)
     except RefdemError as error:

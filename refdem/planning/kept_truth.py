@@ -1,5 +1,5 @@
-"""Sampled truths that come with refdem, in validation/truth/samples/: read for an instance that is
-among them if the code behind them is still the same.
+"""Sampled truths distributed with refdem, in validation/truth/samples/. That of an instance is used
+if the code from which it was computed is unchanged.
 """
 
 from pathlib import Path

@@ -1,4 +1,4 @@
-"""Findings that must be there and are not.
+"""Findings that are required and were not made.
 
 A baseline and the list of a campaign name findings that must be made. One that was judged but is
 not decided now is *lost*; one that was not made is *absent*, or named in the sentence of the error
@@ -12,9 +12,9 @@ import msgspec
 from refdem.core.finding import DECIDED, Finding, Record
 
 MAX_NAMES = 6
-"""Names of missing findings that a sentence has; it says how many more there are."""
+"""Most names of missing findings in a sentence, which states how many more there are."""
 Place = tuple[str, str, str]
-"""Label, engine and method: what a record is of."""
+"""Label, engine and method, which identify a record."""
 
 
 def parts(name: str) -> tuple[Place, str, str]:
@@ -24,10 +24,10 @@ def parts(name: str) -> tuple[Place, str, str]:
 
 
 def with_missing(records: list[Record], wanted: Iterable[str], owner: str) -> list[Record]:
-    """The records with what is missing in them: every id of `wanted` that no finding has.
+    """The records with a finding added for every id in `wanted` that no finding has.
 
-    `owner` is who wants them, such as "the baseline". What follows from an error or a refusal is
-    named in its sentence and makes no finding of its own.
+    `owner` is what requires them, such as "the baseline". An id whose absence follows from an error
+    or a refusal is named in the sentence of that finding and gets no finding of its own.
     """
     present: set[str] = set()
     for record in records:
@@ -41,7 +41,7 @@ def with_missing(records: list[Record], wanted: Iterable[str], owner: str) -> li
     for record in records:
         missing_here = missing.pop((record.label, record.engine, record.method), [])
         completed.append(_with_absent(record, missing_here, owner))
-    # What is left belongs to records that were not made at all.
+    # The remaining ids belong to records that were not made at all.
     vanished = [_vanished(place, names, owner) for place, names in missing.items()]
     return [*completed, *vanished]
 
@@ -84,8 +84,8 @@ def _with_absent(record: Record, missing: list[str], owner: str) -> Record:
 def _explains(finding: Finding, name: str) -> bool:
     """True if the finding `name` (check/quantity) could not be made because of this one.
 
-    A run that broke or was refused leaves nothing to judge; an error of one check takes the
-    findings of that check alone.
+    A run that failed or was refused leaves nothing to judge. An error of one check explains only
+    the missing findings of that check.
     """
     if finding.outcome not in ("error", "unsupported"):
         return False

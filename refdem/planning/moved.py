@@ -1,5 +1,5 @@
-"""What each number of a case does to its quantities, from certified derivatives: lines of a report
-of a single case and of a page of the manual.
+"""Sensitivity of the quantities of a case to each of its numbers, from certified derivatives, for
+the report of a single case and for a page of the manual.
 """
 
 import hashlib
@@ -23,15 +23,15 @@ from refdem.truth.sensitivities import Number, Sensitivities, numbers_of, sensit
 DIGITS = 8
 """Decimal places to which derivatives are proved; a line shows four digits."""
 SECONDS = 3.0
-"""CPU time [s] that a report of a single case spends on derivatives at most; most cases take less
-than a second.
+"""Limit on the CPU time [s] for derivatives in a report of a single case; most cases take less than
+a second.
 """
 _DECODER = msgspec.msgpack.Decoder(Moved)
 
 
 def sheets(specification: Specification, store: Store) -> list[Moved]:
-    """The sheet of what each number moves, of a specification that asks for one instance; none
-    otherwise, and none for a question without time.
+    """The sheet of sensitivities, if the specification has one instance and its problem has a time;
+    otherwise none.
 
     It is proved in a worker process and kept in the store.
     """
@@ -54,7 +54,7 @@ def sheets(specification: Specification, store: Store) -> list[Moved]:
 
 
 def _proved(instance: Instance) -> Moved:
-    """The sheet of an instance; a proof that takes longer than SECONDS leaves its reason."""
+    """The sheet of an instance; it has only a reason if the proof takes longer than SECONDS."""
     job = Job(instance.label, of_case, (instance.case.id, instance.p.given), computes=True)
     with Schedule(1, SECONDS) as schedule:
         ((_, result),) = schedule.results([job])
@@ -73,7 +73,7 @@ def _empty(instance: Instance) -> Moved:
 
 
 def of_case(case: str, given: dict[str, str]) -> bytes:
-    """What each number of an instance moves, as MessagePack of Moved."""
+    """The sheet of sensitivities of an instance, as MessagePack of Moved."""
     instance = discovery.case(case).at(**given)
     found = msgspec.structs.replace(_empty(instance), numbers=moved_lines(instance))
     return msgspec.msgpack.encode(found)
@@ -106,7 +106,7 @@ def moved_lines(instance: Instance) -> tuple[MovedLine, ...]:
 
 
 def line(instance: Instance, found: Sensitivities, number: Number, value: Fraction) -> MovedLine:
-    """The line of one number of this value: the quantity that it moves most, counted in scales."""
+    """The line of one number of this value: the quantity with the largest |dq/dp|/scale."""
     name = number.name
     unit = instance.p.declared[number.parameter].unit
     if name in found.missing:

@@ -28,7 +28,7 @@ from refdem.planning.certified_matrix import asked_numbers, certified_matrix
 from refdem.planning.specification import Specification
 
 ESCAPES = "the motion is infinite before"
-"""What the proof of a motion that escapes in finite time says of it."""
+"""Text in the reason of a truth whose motion escapes to infinity in finite time."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -45,7 +45,7 @@ class Task:
     checks: tuple[Check, ...] = ()
     left_out: Mapping[str, str] = field(default_factory=dict)
     is_selection: bool = False
-    """Only some checks were asked for, so that they may honestly have nothing to decide here."""
+    """True if only some checks were selected; then it is no error that none of them decides."""
 
     @property
     def method(self) -> Method:
@@ -54,8 +54,8 @@ class Task:
 
     @cached_property
     def variants(self) -> tuple[Variant, ...]:
-        """The union of the runs that the checks need at first; a run precedes those that go on
-        from it.
+        """The union of the runs that the checks need at first; a run precedes those that continue
+        from its end.
         """
         needed: dict[Variant, None] = {}
         for check in self.checks:
@@ -64,7 +64,7 @@ class Task:
 
 
 def in_order(variants: Iterable[Variant]) -> tuple[Variant, ...]:
-    """Variants, each once, after the plain runs on whose ends some of them go on."""
+    """Variants without repetition; the plain runs from whose ends some continue come first."""
     asked = list(variants)
     bases = [variant.base for variant in asked if variant.goes_on]
     return tuple(dict.fromkeys([*bases, *asked]))
@@ -107,7 +107,7 @@ class Row:
 
 
 def rows(specification: Specification, engines: list[Engine]) -> list[Row]:
-    """The rows of a campaign: all that it asks, before any truth is known."""
+    """The rows of a campaign, before any truth is known."""
     planned = []
     for instance, only in instances(specification):
         of_engines = [(engine, subjects(specification, instance, engine)) for engine in engines]
@@ -118,8 +118,8 @@ def rows(specification: Specification, engines: list[Engine]) -> list[Row]:
 def instances(specification: Specification) -> list[tuple[Instance, tuple[str, ...]]]:
     """The instances of a campaign, each with the only checks to run on it (none: all).
 
-    A selection stands for all instances that it admits, with its one check; those that are also
-    judged by all checks are not repeated.
+    A selection stands for all instances that it admits, with its one check. Instances that are
+    already judged by all checks are not repeated.
     """
     requested: list[tuple[Instance, tuple[str, ...]]] = []
     for entry in specification.case:
@@ -147,7 +147,7 @@ def _admitted(selection: Selection) -> list[Instance]:
             try:
                 instance = case.at(**parameters)
             except UsageError:
-                # The motion has no such settings, as one that comes to an end has no long run.
+                # The case has no such settings; a motion that ends, for example, has no long run.
                 continue
             if isinstance(instance.problem, judged_kinds) and selection.admits(instance) is None:
                 by_label[instance.label] = instance
@@ -157,7 +157,7 @@ def _admitted(selection: Selection) -> list[Instance]:
 def engines(specification: Specification) -> tuple[list[Engine], dict[str, str]]:
     """The engines to run, and for each other one the reason why it is missing.
 
-    Raises EngineMissingError for a missing engine that was asked for by name, and UsageError for a
+    Raises EngineMissingError for a missing engine that was requested by name, and UsageError for a
     method that no engine has.
     """
     requested = specification.engines
@@ -178,10 +178,10 @@ def engines(specification: Specification) -> tuple[list[Engine], dict[str, str]]
 
 
 def present(specification: Specification) -> tuple[Specification, list[str]]:
-    """The campaign without the engines that were asked for by name and are not installed, and a
+    """The campaign without the engines that were requested by name and are not installed, and a
     sentence for each of these.
 
-    Raises EngineMissingError where none of the engines asked for is installed.
+    Raises EngineMissingError where none of the requested engines is installed.
     """
     kept = []
     absent = []
@@ -260,7 +260,7 @@ def _unsupported(engine: Engine, method: Method, motion: Motion) -> str | None:
 
 
 def first_step(specification: Specification, instance: Instance) -> float | None:
-    """The first level [s] that the caller asked for, if any."""
+    """The first level [s] that the caller requested, if any."""
     if specification.step is not None:
         if not 0 < specification.step < float("inf"):
             raise UsageError(
@@ -333,7 +333,7 @@ def _tasks(
                 applicable.append(check)
             else:
                 left_out[name] = why_not
-        # The one check of a selection may leave a method out.
+        # The single check of a selection may not apply to a method.
         if applicable or unsupported is not None or not only:
             checks = tuple(applicable)
             planned.append(Task(engine, subject, unsupported, checks, left_out, is_selection))
@@ -369,8 +369,8 @@ def request(
 ) -> Request:
     """The request of a variant of a task.
 
-    `base` is the trajectory from whose end the variant goes on, if it does; `ulps` moves the start
-    of every run by so many units in the last place.
+    `base` is the trajectory from whose end the variant continues, if any. The start of every run is
+    moved by `ulps` units in the last place.
     """
     problem = task.subject.instance.problem
     if ulps:

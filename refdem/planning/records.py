@@ -22,9 +22,9 @@ def records(
     """The records in order of the plan, with the deviations that are expected of the engines, and
     the runs from which they were judged.
 
-    Runs are made that the checks need at first, and then those that they ask for in view of what
-    came out, until they ask for no more. `ulps` moves the start of every run; those that continue
-    from the end of another have no start of their own.
+    The runs that the checks need at first are made, and then those that they need in view of the
+    results, until no check needs more. The start of every run is moved by `ulps` units in the last
+    place, except for runs that continue from the end of another run.
     """
     judge = _Judge(tasks, versions, Runs(spool=runner.spool))
     fingerprints = runs.fingerprints_of(tasks)
@@ -35,7 +35,7 @@ def records(
     stage = "runs"
     while wanted:
         from_start = runs.asked_of(tasks, wanted, fingerprints, ulps)
-        # Their runs that continue from the end of another come when that is there.
+        # Runs that continue from the end of another run are requested when that one has ended.
         waiting = {number for number, asked in wanted.items() if any(v.goes_on for v in asked)}
         more = {}
         for number in judge.completed(runner.runs(from_start, stage), from_start):
@@ -68,8 +68,9 @@ class _Judge:
     def completed(
         self, ended: Iterable[tuple[Asked, Run]], asked: Iterable[Asked]
     ) -> Iterator[int]:
-        """The numbers of the tasks all of whose runs, of those that were asked for, have ended;
-        they have these runs now, in the order in which they were asked for.
+        """The numbers of the tasks all of whose requested runs have ended.
+
+        These tasks now have their runs, in the order in which they were requested.
         """
         places: dict[int, list[Place]] = {}
         for one in asked:
@@ -87,7 +88,7 @@ class _Judge:
         """The variants that a task wants further; if it wants none, it has a record now."""
         task = self.tasks[number]
         of_task = self.runs.of_task(number)
-        # Those who ask for more and those who judge read the same trajectories.
+        # The trajectories are read once, both to find further runs and to judge.
         read = Recent(self.runs).trajectory
         needed = judging.needs(task, of_task, read)
         more = judging.missing(needed, of_task)

@@ -1,8 +1,8 @@
-"""The replays of a campaign: truth and one run of each method, thinned to what a screen shows.
+"""The replays of a campaign: truth and one run of each method, at the resolution of a screen.
 
-Truth is a list of compared quantities, not a picture. A coordinate of a body that is such a
-quantity is drawn as certified; what else a picture needs comes from the run of the reference whose
-error is least, and the replay says how large that is.
+Truth consists of compared quantities, from which not every picture can be drawn. A coordinate of a
+body that is a compared quantity is drawn as certified. The remaining coordinates come from the run
+of the reference with the smallest error, and the replay states that error.
 """
 
 from collections.abc import Iterable, Mapping, Sequence
@@ -35,19 +35,19 @@ from refdem.scene.shapes import Polyhedron, Sphere, box
 Array = NDArray[np.float64]
 
 MOST_FRAMES = 200
-"""Frames of a replay: the samples are thinned evenly to so many."""
+"""Largest number of frames of a replay; samples are taken at equal distances."""
 MOST_BODIES = 32
-"""Bodies that a picture of this size can show apart."""
+"""Largest number of bodies that a picture of this size can show separately."""
 MOST_CONTACTS = 400
 """Largest number of contacts of a track that are shown, the first ones."""
 VISIBLE = 1e-3
-"""An error of the reference, in scales of the quantities, that a reader would see: a pixel of a
-picture of 1000."""
+"""Smallest error of the reference, in scales of the quantities, that is visible: one pixel of a
+picture of 1000 pixels."""
 FARTHEST = 4.0
-"""How far from truth, in sizes of the picture, a body is still placed exactly."""
+"""Distance from truth, in sizes of the picture, up to which the place of a body is exact."""
 AZIMUTH = np.radians(30.0)
 ELEVATION = np.radians(20.0)
-"""From where a motion in space is seen."""
+"""Viewing direction of a motion in space."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -72,9 +72,9 @@ class Anchor:
 class Stage:
     """What every track of a replay is compared with.
 
-    Places and attitudes (T, N, ...) of truth, the run that draws them, the samples (F,) that are
-    shown, which bodies (N,) turn, whether the case compares attitudes, and the farthest [m] that a
-    body is placed from truth.
+    It has places and attitudes (T, N, ...) of truth, the run from which they are drawn, the samples
+    (F,) that are shown, which bodies (N,) rotate, whether the case compares attitudes, and the
+    largest distance [m] from truth at which a body is placed.
     """
 
     position: Array
@@ -87,14 +87,14 @@ class Stage:
 
 
 def replays(tasks: list[Task], runs: Runs, records: list[Record]) -> list[Replay]:
-    """A replay of each instance whose motion the reference draws closely enough."""
+    """A replay of each instance for which the run of the reference is accurate enough to draw."""
     numbers: dict[str, list[int]] = {}
     for number, task in enumerate(tasks):
         if task.subject.truth is not None and is_drawable(task.subject.instance):
             numbers.setdefault(task.subject.instance.label, []).append(number)
     found = []
     for of_label in numbers.values():
-        # Of one instance at a time, so that few trajectories are held at once.
+        # One instance at a time, so that few trajectories are in memory at once.
         shown = replay_of([_candidate(tasks[n], records[n], runs, n) for n in of_label])
         if shown is not None:
             found.append(shown)
@@ -112,7 +112,7 @@ def _candidate(task: Task, record: Record, runs: Runs, number: int) -> Candidate
 
 
 def replay_of(candidates: Sequence[Candidate]) -> Replay | None:
-    """The replay of one instance; None if the reference does not draw its motion closely enough."""
+    """The replay of one instance; None if no run of the reference is accurate enough to draw."""
     candidates = [candidate for candidate in candidates if candidate.plain]
     anchors = [anchor for anchor in map(anchor_of, candidates) if anchor is not None]
     if not anchors:
@@ -179,7 +179,7 @@ def replay(subject: Subject, anchor: Anchor, candidates: Iterable[Candidate]) ->
     for candidate in candidates:
         track = _track(candidate, stage)
         tracks.setdefault((track.engine, track.method), track)
-    # Places are kept as what they differ by from the start, which most of them do not.
+    # Displacements from the start are stored, most of which are 0.
     moved = (position[frames] - position[0]).reshape(len(frames), -1)
     turned = (attitude[frames] - attitude[0]).reshape(len(frames), -1)
     return Replay(
@@ -230,10 +230,10 @@ def attitude_is_compared(instance: Instance, anchor: Trajectory) -> bool:
 
 
 def _attitudes(trajectory: Trajectory, turning: NDArray[np.bool_], is_compared: bool) -> Array:
-    """Attitudes (T, N, 4) of the marks; points do not turn.
+    """Attitudes (T, N, 4) of the marks on bodies; points do not rotate.
 
-    Where the case compares none, a code need not tell attitudes: its marks turn by its angular
-    velocities, summed over the samples.
+    Where the case compares no attitudes, a code need not report them. Its marks then rotate by the
+    time integral of its angular velocities.
     """
     attitude = np.array(trajectory.attitude)
     if not is_compared:
@@ -241,7 +241,7 @@ def _attitudes(trajectory: Trajectory, turning: NDArray[np.bool_], is_compared: 
         for k in range(1, len(attitude)):
             attitude[k] = product(turned_by(angle[k] - angle[k - 1]), attitude[k - 1])
     attitude[:, ~turning] = (1.0, 0.0, 0.0, 0.0)
-    # Of q and -q, which are one attitude, the one that is nearer to that before.
+    # q and -q are the same attitude: the one nearer to the previous sample is taken.
     flips = np.where(np.sum(attitude[1:] * attitude[:-1], axis=-1) < 0, -1.0, 1.0)
     attitude[1:] *= np.cumprod(flips, axis=0)[..., None]
     return attitude
@@ -297,7 +297,7 @@ def _largest(vectors: Array) -> float:
 
 
 def _contacts(events: tuple[Event, ...], t: Array, frames: Any) -> tuple[tuple[int, int], ...]:
-    """(frame, body) of the contacts that a run tells, at the first frame that is not before."""
+    """(frame, body) of the contacts that a run reports, at the first frame not before each."""
     told = [(event.time, event.body) for event in events if event.kind == "contact"]
     numbers = np.searchsorted(t[frames], [time for time, _ in told])
     pairs = {
@@ -314,7 +314,7 @@ def _body(bodies: Bodies, number: int, position: Array, attitude: Array) -> Draw
     inertia = bodies.inertia[number]
     is_inertia = False
     if not isinstance(shape, Sphere | Polyhedron) and np.any(inertia > 0):
-        # The sides of the box: a^2 = 6 (I_y + I_z - I_x)/m, and so on.
+        # The sides of the equivalent box: a^2 = 6 (I_y + I_z - I_x)/m, and cyclically for b, c.
         squares = 6 * (inertia.sum() - 2 * inertia) / bodies.mass[number]
         shape = box(*np.sqrt(np.maximum(squares, 0.0)).tolist())
         is_inertia = True
@@ -343,8 +343,10 @@ def _links(scene: Scene) -> Iterable[DrawnLink]:
 
 
 def view(scene: Scene, position: Array, attitude: Array) -> Any:
-    """The rows right, up and towards the reader: along an axis where nothing moves along it or
-    turns about another, else from aside.
+    """The unit vectors right, up and towards the viewer, as rows.
+
+    A planar motion is viewed along its normal axis: no body moves along it or rotates about another
+    axis. Other motions are viewed obliquely.
     """
     spread = np.ptp(position, axis=(0, 1)) > 0
     # The axes of the bodies, by what each row of R - 1 has.

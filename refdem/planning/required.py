@@ -1,9 +1,9 @@
-"""The findings that a campaign must make in every engine: written down beside its TOML file, and
-reviewed as a diff.
+"""The findings that a campaign must make in every engine, in lists beside its TOML file, so that
+changes are reviewed as a diff.
 
 `validation/campaigns/main/mujoco.txt` belongs to `validation/campaigns/main.toml`. It has a line
-for every case and method, and below it a line a check with the quantities that must be decided; no
-numbers. `refdem run --campaign main --bless` writes it.
+for every case and method, and below it one line for each check with the quantities that must be
+decided, without numbers. `refdem run --campaign main --bless` writes it.
 """
 
 import textwrap
@@ -50,8 +50,9 @@ def held(
 def _required(specification: Specification, engine: Engine) -> set[str]:
     """The ids of the findings that the campaign requires of an engine.
 
-    There are none where the campaign was asked with other steps, checks or starts than those of its
-    file, which make other findings, and for a program with a refdem.toml, which has no list here.
+    There are none if the campaign is run with other steps, checks or starts than those of its file,
+    which make other findings. There are also none for a program with a refdem.toml, for which there
+    is no list.
     """
     is_altered = (
         specification.step
@@ -119,7 +120,7 @@ def read(path: Path) -> set[str]:
 
 
 def text(campaign: str, names: Iterable[str]) -> str:
-    """A list as it is kept: cases and methods in order, a line a check, long ones broken."""
+    """The text of a list: cases and methods in order, one line per check, long lines wrapped."""
     places: dict[Place, dict[str, list[str]]] = {}
     for name in sorted(names):
         place, check, quantity = parts(name)

@@ -2,8 +2,8 @@
 
 The number is multiplied by 1 + a in every request that an engine gets, and its runs are judged as
 if it had been read correctly. The smallest a at which a finding fails is found by trials. Errors
-are proportional to a, so that an excess of r over a bound at a predicts the threshold a/r. The
-resolution says what a pass of the unchanged run can detect.
+are proportional to a, so that a ratio r of error to bound at a predicts the threshold a/r. The
+resolution is the smallest misreading that a pass of the unchanged run excludes.
 """
 
 import hashlib
@@ -38,17 +38,18 @@ from refdem.planning.specification import Specification
 from refdem.planning.truths import sampled_truths
 
 SECONDS = 600.0
-"""CPU time [s] after which the numbers of one method on one case are given up."""
+"""Limit on the CPU time [s] for all numbers of one method on one case."""
 FIRST = 1e-3
 """The misreading that is tried first."""
 LEAST = 1e-12
-"""The smallest misreading that is tried: a few thousand roundings of binary64."""
+"""The smallest misreading that is tried, a few thousand units of binary64 round-off."""
 CLOSE = 1.5
-"""Ratio of the smallest misreading that was seen and the largest that was not, at the end."""
+"""Ratio of the smallest detected misreading to the largest undetected one at which a search ends.
+"""
 MOST_TRIALS = 16
-"""Trials after which the smallest misreading seen so far counts."""
+"""Largest number of trials; then the smallest misreading detected so far is the result."""
 STILL = 1e-12
-"""Change of a run by the first misreading, in units of its scales, that is none: round-off."""
+"""Change of a run by the first misreading, in units of its scales, up to which it is round-off."""
 _DECODER = msgspec.msgpack.Decoder(Resolution)
 
 
@@ -102,11 +103,11 @@ def measured(
     *,
     use_store: bool = True,
 ) -> list[Resolution]:
-    """What every method of every engine of a campaign would notice, in the order of its rows; each
-    method on each case in a worker process.
+    """The resolution of every method of every engine on every case of a campaign, in the order of
+    its rows.
 
-    What is finished is kept in the store, and is read from there while nothing has changed unless
-    `use_store` is False.
+    Each is measured in a worker process. Results are kept in the store, and are read from there if
+    nothing has changed, unless `use_store` is False.
     """
     engines, _ = plan.engines(specification)
     # Static questions and maps have no scene. An instance may be in several rows.
@@ -169,7 +170,7 @@ def _keys(
     specification: Specification, engines: list[Engine], places: Iterable[_Place]
 ) -> dict[_Place, str | None]:
     """The keys in the store: digests of the place and of everything that its verdicts depend on;
-    None where that is not known.
+    None where that cannot be determined.
     """
     narrow = msgspec.structs.replace(specification, name="", case=[], engines=[], method="")
     states = {engine.address: unchanged.key_of(narrow, [engine]) for engine in engines}
@@ -182,7 +183,7 @@ def _keys(
 
 
 def _unknown(place: _Place, engine: str, failure: Failure) -> Resolution:
-    """The resolution of a method of an engine whose job failed: nothing is known."""
+    """The resolution, without results, of a method whose job failed."""
     label, _, method = place
     unknown = Seen(number="any number", reason=f"it could not be measured: {failure.sentence}")
     return Resolution(label=label, engine=engine, method=method, numbers=(unknown,))
@@ -210,9 +211,7 @@ def _job(
 def of_method(
     specification: bytes, case: str, given: dict[str, str], truth: bytes, address: str
 ) -> bytes:
-    """What the one method that the specification names would notice, as MessagePack of a
-    Resolution.
-    """
+    """The resolution of the method that the specification names, as MessagePack of a Resolution."""
     asked = msgspec.json.decode(specification, type=Specification)
     instance = discovery.case(case).at(**given)
     sampled = msgspec.msgpack.decode(truth, type=SampledTruth)
@@ -223,10 +222,11 @@ def of_method(
 def resolution(
     specification: Specification, engine: Engine, instance: Instance, truth: SampledTruth
 ) -> Resolution:
-    """What the method that the specification names would notice, for each number of the scene.
+    """The resolution of the method that the specification names, for each number of the scene.
 
-    Only checks count that read plain runs of the refinement levels: pictures, reversed and
-    perturbed runs are misread alike.
+    Only checks that read nothing but plain runs of the refinement levels are used. Checks that
+    compare runs with symmetric, reversed or perturbed ones detect no misreading, as these are
+    misread in the same way.
     """
     (task,) = plan.tasks(specification, instance, (), engine, truth, truth.reason)
     narrow = msgspec.structs.replace(specification, checks=checks_of_plain_runs(task))
@@ -262,11 +262,11 @@ class _Judge:
     deviations: list[Deviation]
 
     def seen(self, number: Number, sound: Trial) -> Seen:
-        """What is noticed of a number; `sound` is the run without any misreading."""
+        """The resolution for one number; `sound` is the trial without any misreading."""
         sign = 1.0
         first = self.trial(number, sign * FIRST)
         if first.refused:
-            # As a restitution of 1, which no larger one may replace.
+            # Some numbers cannot be larger, such as a restitution of 1.
             sign = -1.0
             first = self.trial(number, sign * FIRST)
         if first.refused:
@@ -277,9 +277,7 @@ class _Judge:
         return Seen(number=number.name, reason=self._reason(sound, first, found.unseen))
 
     def _reason(self, sound: Trial, first: Trial, unseen: float) -> str:
-        """Why no misreading of a number was noticed; `unseen` is the largest that could be
-        planted.
-        """
+        """Why no misreading of a number was detected; `unseen` is the largest that was possible."""
         change = float(np.max(distances(self.instance, first.run, sound.run)))
         if change <= STILL:
             return "the motion does not depend on it"
@@ -325,12 +323,12 @@ def _refused(runs: Iterable[Run]) -> str:
 
 @dataclass
 class Threshold:
-    """The search for the smallest misreading that some finding fails: it lies between `unseen`, the
-    largest that none failed, and `seen`, the smallest that one did, by the check and quantity `by`.
+    """The search for the smallest misreading that makes a finding fail.
 
-    An excess of r over a bound at a misreading a foretells a threshold of a/r. The next trial lies
-    a little above that where r is large, and else a little below, so that the threshold soon lies
-    between two trials whose ratio is CLOSE.
+    It is between `unseen`, the largest undetected misreading, and `seen`, the smallest detected
+    one, which the check and quantity `by` detected. A ratio r of error to bound at a misreading a
+    predicts the threshold a/r. The next trial is slightly above that if r is large, and slightly
+    below otherwise, so that two trials with the ratio CLOSE soon enclose the threshold.
     """
 
     unseen: float = 0.0
@@ -338,7 +336,7 @@ class Threshold:
     by: str = ""
 
     def add(self, amount: float, trial: Trial) -> None:
-        """Notes what came of a trial."""
+        """Updates the bracket with the result of a trial."""
         if trial.excess == 0.0:
             self.unseen = max(self.unseen, amount)
         elif self.seen is None or amount < self.seen:
@@ -369,7 +367,7 @@ class Threshold:
 
 
 def threshold(trial: Callable[[float], Trial], first: Trial) -> Threshold:
-    """The threshold of what a trial of an amount tells; `first` is the trial of FIRST."""
+    """The threshold of the misreadings that `trial` judges; `first` is its result at FIRST."""
     found = Threshold()
     amount = FIRST
     latest = first

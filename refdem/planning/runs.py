@@ -24,14 +24,14 @@ from refdem.planning import plan
 from refdem.planning.plan import Task
 
 GRACE = 30.0
-"""Seconds beyond an engine's own time limit before its worker is killed: to start, to read the
-trajectory, to keep what failed.
+"""Seconds in addition to an engine's own time limit before its worker is killed: for its start, for
+reading the trajectory and for keeping the files of a failed run.
 """
 ENOUGH = 2
-"""A method that hung at so many different steps is not tried at others."""
+"""Number of different steps at which a method hung after which it is not run at other steps."""
 HELD = 50_000_000
-"""Packed bytes of the trajectories of a task that are held while it is judged, beside those that a
-check holds itself.
+"""Most bytes of packed trajectories of a task that are in memory while it is judged, in addition to
+those that a check holds itself.
 """
 Place = tuple[int, Variant]
 """A run by the number of its task in the plan, and its variant."""
@@ -91,14 +91,15 @@ class Runs:
 
 
 class Recent:
-    """The trajectories of runs, read when they are asked for; the last ones are held, up to HELD
-    bytes of them, so that most are read once.
+    """A least-recently-used cache of the trajectories of runs, of at most HELD bytes.
+
+    Most trajectories are then read only once.
     """
 
     def __init__(self, runs: Runs) -> None:
         self._runs = runs
         self._held: dict[str, Trajectory] = {}
-        """By the keys of their runs, the one asked for last at the end."""
+        """The trajectories by the keys of their runs, the most recently used one last."""
 
     def trajectory(self, run: Run) -> Trajectory | None:
         """The trajectory of a run; None if the run failed."""
@@ -113,9 +114,7 @@ class Recent:
         return trajectory
 
     def _make_room(self, size: int) -> None:
-        """Drops the trajectories that were not asked for longest, for another of `size`
-        bytes.
-        """
+        """Drops the least recently used trajectories, to make room for another of `size` bytes."""
         held = sum(map(self._runs.spool.size, self._held))
         for key in list(self._held):
             if held + size <= HELD:
@@ -125,13 +124,13 @@ class Recent:
 
 
 def is_lasting(failure: Failure | None) -> bool:
-    """True for ends that a run comes to every time: a trajectory, or a refusal."""
+    """True for reproducible ends of a run: a trajectory, or a refusal."""
     return failure is None or failure.kind == "unsupported"
 
 
 @dataclass(frozen=True)
 class Hangs:
-    """The steps [s] with which a method hung on an instance, remembered from run to run."""
+    """The steps [s] with which each method hung on each instance of a campaign."""
 
     steps: dict[tuple[str, str, str], set[float]] = field(default_factory=dict)
 
@@ -143,8 +142,8 @@ class Hangs:
     def given_up(self, asked: Asked) -> Failure | None:
         """The failure of a run that is not started because others hung, or None.
 
-        A run takes longer than one with a larger step that hung; and a method that hung with ENOUGH
-        different steps is expected to hang with every step.
+        A run takes longer than one with a larger step, so it is not started if that one hung. A
+        method that hung with ENOUGH different steps is expected to hang with every step.
         """
         steps = self.steps.get(_method_on_case(asked.task), set())
         takes_longer = any(_step(asked.request) <= step for step in steps)
@@ -179,7 +178,8 @@ def _step(request: Request) -> float:
 class Runner:
     """Makes runs: with the workers of `schedule`, within `timeout` [s] each, kept in `store`.
 
-    Their trajectories go into the `spool` as they come: all of them at once need much memory.
+    Trajectories are moved into the `spool` as they arrive, because all of them would need too much
+    memory.
     `versions` are those of the engines by name; `deadlines` are the times [s] of the monotonic
     clock after which nothing more is run in an engine.
     """
@@ -195,8 +195,9 @@ class Runner:
     progress: Progress
 
     def runs(self, asked: list[Asked], stage: str) -> Iterator[tuple[Asked, Run]]:
-        """Everything that is asked for with its run, in the order in which they end: equal runs
-        once, unchanged ones from the store.
+        """Every request with its run, in the order in which they end.
+
+        Equal runs are made once, and unchanged ones are read from the store.
         """
         equal: dict[str, list[Asked]] = {}
         for request_of_task in asked:
@@ -218,8 +219,8 @@ class Runner:
             if reply.failure is not None and reply.failure.kind == "leak":
                 leaking.add(_method(same[0].task))
             yield from self._answered(same, reply, from_store=False)
-        # The answers of these methods depend on what they were asked before: none of them can be
-        # trusted, whichever of them showed it.
+        # The answers of these methods depend on earlier requests, so that none of their answers can
+        # be trusted, including those before the one that showed it.
         for key, same in equal.items():
             if _method(same[0].task) in leaking:
                 self.store.forget("run", key)
@@ -243,8 +244,8 @@ class Runner:
     def _job(self, asked: Asked) -> Job:
         """The job that makes one run in a worker, or in a program of its own.
 
-        An engine that ends its programs itself, by `time_limit`, does so before its worker would be
-        killed.
+        An engine with a `time_limit` ends its programs itself. It does so before its worker would
+        be killed.
         """
         engine = asked.task.engine
         request = asked.request
@@ -269,7 +270,7 @@ class Runner:
         )
 
     def _kept(self, key: str, result: bytes | Failure) -> worker.Reply:
-        """The reply of a run that ended; it is stored unless it may end otherwise next time."""
+        """The reply of a run that ended; it is stored if its end is reproducible."""
         if isinstance(result, Failure):
             return worker.Reply(failure=result)
         reply = msgspec.msgpack.decode(result, type=worker.Reply)
@@ -284,7 +285,7 @@ class Runner:
         return worker.Reply(cost=reply.cost, failure=reply.failure)
 
     def _run(self, asked: Asked, reply: worker.Reply, *, from_store: bool) -> Run:
-        """The run that one task asked for, from the reply; its trajectory is in the spool."""
+        """The run that one task requested, from the reply; its trajectory is in the spool."""
         name = asked.task.engine.name
         return Run(
             key=asked.key,
@@ -336,8 +337,9 @@ def asked_of(
 
 
 def fingerprints_of(tasks: Iterable[Task]) -> dict[tuple[str, str], str]:
-    """The fingerprint of every engine and method that runs, asked for once: all runs of a campaign
-    are of one state of the code.
+    """The fingerprint of every engine and method that runs.
+
+    Each is computed once, so that all runs of a campaign belong to one state of the code.
     """
     methods = {(task.engine.name, task.method.name): task for task in tasks if task.variants}
     return {key: task.engine.fingerprint(task.method) for key, task in methods.items()}

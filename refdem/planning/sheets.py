@@ -47,7 +47,7 @@ def case_sheet(instance: Instance, truth: SampledTruth) -> CaseSheet:
 
 
 def _shown(value: Any) -> Any:
-    """A JSON value in which every list is cut after LISTED entries and says how many follow."""
+    """A JSON value in which every list is cut after LISTED entries, with the number of others."""
     if isinstance(value, dict):
         return {name: _shown(item) for name, item in value.items()}
     if not isinstance(value, list):

@@ -20,14 +20,14 @@ _HERE = Path(__file__).resolve().parents[1]
 
 
 MOST_LEVELS = 10
-"""Refinement levels at most: a step a thousandth of the first."""
+"""Largest number of refinement levels: the finest step is then a thousandth of the first."""
 
 
 class Entry(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     """One case at one set of parameters, each as text.
 
-    `levels` overrules the levels of its campaign for this case: more where an order shows late,
-    fewer where a run is expensive.
+    `levels` replaces the number of levels of the campaign for this case. There are more where the
+    order of convergence shows only at small steps, and fewer where a run is expensive.
     """
 
     id: str
@@ -35,7 +35,7 @@ class Entry(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     levels: int | msgspec.UnsetType = msgspec.UNSET
 
     def __post_init__(self) -> None:
-        """Refuses a number of levels without sense."""
+        """Refuses a number of levels out of range."""
         if self.levels is not msgspec.UNSET and not 1 <= self.levels <= MOST_LEVELS:
             given = one_line(str(self.levels), 40)
             raise OutOfRangeError(
@@ -64,15 +64,14 @@ class Specification(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fi
     """Cases, engines, and how far to refine: `levels` at most, none with more than `most_steps`;
     `timeout` [s] a run.
 
-    `engines` empty means all that are installed; `step` [s] overrules the first level; `method`
-    keeps only that one;
-    `perturbed_ulps` moves every start by so many units in the last place, to see how much of a
-    value is noise. `required` is the folder with the lists of findings that it must make, "" for
-    none; `is_part` says that only some of its cases were asked for.
-    `every_case` adds those of refdem's own cases that no entry names, each at its defaults.
-    `as_shipped` takes the methods that leave an engine's defaults alone beside the tuned ones.
-    `include` names campaigns, in the same folder, whose cases come before its own; an entry of its
-    own replaces one of theirs that asks the same.
+    `engines` empty means all that are installed. `step` [s] replaces the first level, and `method`
+    selects one method. `perturbed_ulps` moves every start by that many units in the last place, to
+    measure the noise of a value. `required` is the folder with the lists of findings that it must
+    make, "" for none. `is_part` is true if only some of its cases were requested. `every_case` adds
+    those of refdem's own cases that no entry names, each at its defaults. `as_shipped` adds the
+    methods with an engine's default settings to the tuned ones. `include` names campaigns in the
+    same folder, whose cases come before its own; its own entry replaces an included one with the
+    same case and parameters.
     """
 
     name: str
@@ -93,8 +92,8 @@ class Specification(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fi
     is_part: bool = False
 
     def __post_init__(self) -> None:
-        """Refuses numbers without sense and what is listed twice; msgspec makes an error with the
-        place of it.
+        """Refuses numbers out of range and repeated entries; msgspec adds their place in the file
+        to the error.
         """
         ranges = {
             "levels": (self.levels, 1, MOST_LEVELS),
@@ -105,7 +104,7 @@ class Specification(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fi
             "perturbed_ulps": (self.perturbed_ulps, -(2**40), 2**40),
         }
         for name, (value, lowest, highest) in ranges.items():
-            # NaN is in no range either; and a whole number may be too large for {:g}.
+            # NaN is in no range. An integer may be too large for the format {:g}.
             if value is not None and not lowest <= value <= highest:
                 is_printable = abs(value) < 1e300
                 if is_printable:

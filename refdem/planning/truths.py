@@ -1,5 +1,5 @@
-"""The second stage of a campaign, the sampled truths of instances: from the store of finished
-work, from those that come with refdem, or proved now in workers.
+"""The second stage of a campaign, the sampled truths of instances: read from the store, or from
+those distributed with refdem, or proved now in workers.
 """
 
 import hashlib
@@ -23,27 +23,26 @@ from refdem.planning.kept_truth import kept_truth
 from refdem.truth.certified.sources import digest_of
 
 Asked = tuple[Instance, tuple[float, ...]]
-"""An instance, and delays [s] before its samples at which truth is asked for as well."""
+"""An instance, and delays [s] before its samples at which truth is also needed."""
 UNASKED = "no installed engine supports the case, so its truth was not computed"
 PATIENCE = 3.0
-"""Times the limit on a proof that the same work may take when it is made again: that of a proof
-which came to its last sample just before its end takes all of the limit, and CPU time is not alike
-from run to run on a busy machine.
+"""Factor on the time limit of a proof that is repeated up to its last certified sample. If the
+first proof reached that sample just before its limit, the repetition takes all of the limit, and
+CPU time varies between runs on a busy machine.
 """
 FAILED = "the proof ended in a "
-"""The start of the reason where a proof crashed or hung: it may end otherwise next time."""
+"""The start of the reason of a proof that crashed or hung, which may not be reproducible."""
 
 
 class BrokenProofError(Exception):
-    """A proof raised an unexpected exception: refdem is wrong, and what it would say of
-    engines is no verdict.
+    """A proof raised an unexpected exception: refdem has a bug and can judge no engine.
 
-    It is no RefdemError: the command ends with the exit status of refdem that broke.
+    It is no RefdemError, so that the command ends with the exit status of an internal error.
     """
 
 
 def is_lasting(truth: SampledTruth) -> bool:
-    """False for a truth whose proof may end otherwise next time."""
+    """False for a truth whose proof crashed or hung, which may not be reproducible."""
     return not truth.reason.startswith(FAILED)
 
 
@@ -56,9 +55,9 @@ def sampled_truths(
 ) -> list[SampledTruth]:
     """The sampled truth of every instance, in order.
 
-    Those of instances that are not `is_judged`, in no engine, are not proved. A proof that crashed
-    or ran out of time leaves what it had certified until then. BrokenProofError, once all the
-    others are proved and kept, if a proof raised an unexpected exception.
+    Instances that no engine supports (`is_judged` is false) are not proved. A proof that crashed or
+    ran out of time yields the samples that it had certified until then. If a proof raised an
+    unexpected exception, BrokenProofError is raised after all others are proved and kept.
     """
     keys = [truth_key(instance, delays) for instance, delays in instances]
     truths: dict[str, SampledTruth] = {}
@@ -72,8 +71,8 @@ def sampled_truths(
             missing[key] = (instance, delays)
         else:
             truths[key] = available
-    # Each proof writes into its row of this file how many times it has certified so far, so that
-    # the number is known even if its process is killed.
+    # Each proof writes the number of times that it has certified so far into its row of this file,
+    # so that the number is available even if its process is killed.
     with tempfile.TemporaryFile() as counts_file:
         os.ftruncate(counts_file.fileno(), worker.COUNT_BYTES * len(missing))
         path = f"/proc/{os.getpid()}/fd/{counts_file.fileno()}"
@@ -144,7 +143,7 @@ def _partial_truths(
 ) -> dict[str, SampledTruth]:
     """The certified samples of proofs that crashed or ran out of time, by key.
 
-    Such a proof is made again, up to the number of samples that it had `certified` and no farther.
+    Such a proof is repeated only up to the number of samples that it had `certified`.
     """
     jobs = [
         replace(_job(key, *missing[key], most=count), patience=PATIENCE)

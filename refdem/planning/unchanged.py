@@ -1,5 +1,5 @@
-"""The sheets of a campaign, kept under a digest of everything that they depend on: where nothing
-has changed, nothing is planned, read or judged again.
+"""The sheets of a campaign, stored under a digest of everything that they depend on. If nothing has
+changed, nothing is planned, read or judged again.
 """
 
 import hashlib
@@ -21,7 +21,7 @@ def key_of(specification: Specification, engines: list[Engine]) -> str | None:
     """sha256 of everything that the sheets depend on: code, stored data, platform, specification,
     engines.
 
-    None where another package brings cases or checks, whose code is not known here.
+    None if another package provides cases or checks, whose code is not part of the digest.
     """
     if discovery.has_others("cases") or discovery.has_others("checks"):
         return None

@@ -35,8 +35,8 @@ def write_report(folder: Path, sheets: "Sequence[Sheet]", store: "Store | None" 
     """Writes the whole report: pages, Markdown with figures, JUnit, CSV and records; `store` keeps
     charts for next time.
 
-    With a store, a report that stands in the folder as it was made of the same findings is left
-    alone. Raises StoreError if the folder cannot be written.
+    With a store, nothing is written if the folder already holds the unmodified report of the same
+    findings. Raises StoreError if the folder cannot be written.
     """
     from refdem.report import unchanged
 
@@ -50,10 +50,10 @@ def write_report(folder: Path, sheets: "Sequence[Sheet]", store: "Store | None" 
 
 
 def is_as_left(folder: Path, store: "Store") -> bool:
-    """True if a report stands in a folder as it would be made of the records there.
+    """True if the report in a folder is up to date with the records there.
 
-    What is compared is in the store: the records byte by byte, code and templates, and how every
-    file was left. No record is read for it.
+    The store holds what is compared: digests of the records, of the code and of the templates, and
+    the size and modification time of every file. The records are not parsed.
     """
     from refdem.report import unchanged
 
@@ -83,8 +83,9 @@ def write_gallery(
     store: "Store | None" = None,
     every: "Sequence[str]" = (),
 ) -> None:
-    """Writes gallery.html, gallery.md and a picture a figure into `folder`, where others stay if
-    their ids are among `every`.
+    """Writes gallery.html, gallery.md and one picture per figure into `folder`.
+
+    Figures that the folder already holds are kept if their ids are among `every`.
 
     Raises StoreError if it cannot be written.
     """

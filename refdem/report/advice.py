@@ -14,22 +14,22 @@ from refdem.report.contents import Contents
 from refdem.report.tolerance import Control, Row, rows_of, worst_rows
 
 FINER = 100.0
-"""How much smaller than the smallest step that ran a step may be that is extrapolated: farther away
-it is not known where round-off begins.
+"""Largest ratio of the smallest step that ran to an extrapolated step. Below that, round-off may
+dominate the error, and the measured order need not hold.
 """
 LEAST_ORDER = 0.5
-"""An error that falls more slowly than this power of the step is not extrapolated."""
+"""Smallest observed order of convergence at which errors are extrapolated to smaller steps."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class Choice:
     """The largest step [s], or tolerance, with which one method holds the digits in one setting.
 
-    `level` is None where none does: `error` is then the smallest that was measured. `cost` is the
-    time [s] of computing for one second of motion. `steps_taken` in one tau is counted in the run
-    of that level; None where they were not counted, or where the step did not run. An extrapolated
-    step is smaller than all that ran; it and its cost follow from the measured order. `is_coarsest`
-    where no larger step ran.
+    `level` is None where none does; `error` is then the smallest that was measured. `cost` is the
+    time [s] of computing for one second of motion. `steps_taken` is the number of steps per tau in
+    the run of that level; None where the engine did not count them, or where the step is
+    extrapolated. An extrapolated step is smaller than all that ran; it and its cost follow from the
+    measured order. `is_coarsest` is true where no larger step ran.
     """
 
     record: Record
@@ -59,9 +59,9 @@ class Choice:
 class Loss:
     """The error of one method in one setting at the step [s] that its engine takes by default.
 
-    `finding` is the id of the finding whose levels say so, that of the worst quantity. The error is
-    interpolated between measured ones; where the default step is larger than all that ran, it is at
-    least this; where it is smaller than all, it follows from the measured order.
+    `finding` is the id of the finding on the worst quantity. The error is interpolated between
+    measured ones. Where the default step is larger than all that ran, `error` is a lower bound;
+    where it is smaller than all, the error is extrapolated with the measured order.
     """
 
     record: Record
@@ -134,8 +134,8 @@ def _steps_taken(level: Level, part: float) -> float | None:
 
 
 def _coarsest_holding(levels: tuple[Level, ...], target: float) -> int | None:
-    """The number of the coarsest level from which on to the finest every error is at most the
-    target; None if the finest has a larger one.
+    """The index of the coarsest level such that it and all finer ones have errors of at most the
+    target; None if the error of the finest level is larger.
     """
     holding = None
     for number in range(len(levels) - 1, -1, -1):
@@ -146,7 +146,7 @@ def _coarsest_holding(levels: tuple[Level, ...], target: float) -> int | None:
 
 
 def _order(row: Row) -> float | None:
-    """The order by which errors may be extrapolated: the measured one, at most the claimed one."""
+    """The order with which errors are extrapolated: the smaller of the measured and the claimed."""
     measured = row.order_seen
     if measured is None or measured < LEAST_ORDER:
         return None
@@ -190,9 +190,11 @@ class Recommendation:
 
     @property
     def most_steps_per_tau(self) -> float:
-        """Steps in the shortest time in the setting that asks for most of them: those of the step
-        that is recommended, or those that a method took which chooses them itself. Where nobody
-        counted, an exact method needs none, and one of a tolerance infinitely many.
+        """Steps per shortest time in the setting that needs most of them.
+
+        With a fixed step they follow from the recommended step. A method that chooses its own steps
+        has them counted during the run; where they were not counted, they are taken as 0 for an
+        exact method and as infinitely many for one controlled by a tolerance.
         """
         return max((_steps_of(choice) for choice in self.held), default=math.inf)
 
@@ -249,8 +251,10 @@ def recommendations(found: Iterable[Choice]) -> list[Recommendation]:
 
 
 def losses(contents: Contents) -> list[Loss]:
-    """What is lost at the default step of each engine that has one: for every method with a fixed
-    step, in the setting where its error is largest.
+    """The largest error of each method with a fixed step at the default step of its engine.
+
+    There is one entry for each method, on the setting where its error is largest. Engines without
+    a default step are left out.
     """
     found: dict[tuple[str, str], Loss] = {}
     default_steps = {engine.engine: engine.default_step for engine in contents.engines}
@@ -285,7 +289,7 @@ def _loss(row: Row, step: float) -> Loss:
 
 
 def _interpolated(row: Row, step: float) -> float:
-    """The error at a step between two that ran: a straight line in the logarithms of both."""
+    """The error at a step between two that ran, interpolated linearly in log(error), log(step)."""
     for coarse, fine in zip(row.levels, row.levels[1:], strict=False):
         if not fine.level <= step <= coarse.level:
             continue

@@ -15,19 +15,20 @@ from refdem.report.palette import engine_colours, styles
 from refdem.report.tolerance import WORST, Row, worst_rows
 
 MOST_POINTS = 64
-"""Points that a curve keeps in a chart; the largest value of each stretch is the one that is kept.
+"""Largest number of points of a curve in a chart. A longer curve is divided into as many intervals,
+and the largest value of each is kept.
 """
 
 FLOOR = 1e-17
-"""The smallest relative error that a chart tells from zero: below the round-off of binary64."""
+"""The smallest relative error that a chart distinguishes from zero, below binary64 round-off."""
 DECADES = 17
 """Decades that an axis of values with a unit has at most, for the same reason."""
 SAME_LINE = 0.01
-"""Two curves lie on each other if they are no farther apart than this part of the axis, which is
-three pixels, at every common point.
+"""Two curves coincide if at every common point they differ by at most this fraction of the axis,
+which is three pixels.
 """
 ROOM_FOR_DEFAULT = 10.0
-"""A default step is marked if it is at most so many times as far out as the steps that ran."""
+"""A default step is marked if it is within this factor of the range of the steps that ran."""
 
 
 @dataclass(frozen=True)
@@ -35,8 +36,8 @@ class ChartData:
     """Input of one chart: its kind, rows as CSV, choices of its selector, styles, and what else its
     definition reads.
 
-    `defaults` are engines, each with its colour and the step [s] that it takes where its user names
-    none. `axes` are the two parameters of heat maps, each with its values.
+    `defaults` are engines, each with its colour and its default step [s]. `axes` are the two
+    parameters of heat maps, each with its values.
     """
 
     kind: str
@@ -120,8 +121,9 @@ def _ends(values: list[float]) -> tuple[float, float]:
 def costs(contents: Contents, rows: Sequence[Row]) -> ChartData | None:
     """Error against seconds of one instance; only for pages that are not committed.
 
-    A campaign measures each level once. A level that took longer than a finer one of its method was
-    slowed down by something else and is left out, as the same method works less at it.
+    A campaign measures each level once. A coarser level needs less work than a finer one of the
+    same method. If it took longer all the same, other load on the machine disturbed the measurement
+    and it is left out.
     """
     points: list[dict[str, Any]] = []
     for row in rows:
@@ -232,10 +234,10 @@ def drifts(contents: Contents, label: str) -> ChartData | None:
 
 
 def _points(record: Record, finding: Finding) -> Iterable[dict[str, Any]]:
-    """Rows of the curve of a finding: of each stretch of time the sample of the largest value."""
+    """Rows of the curve of a finding: the sample of largest value in each interval of time."""
     series = finding.series
     assert series is not None
-    # The number of samples of a stretch, rounded up.
+    # The number of samples of an interval, rounded up.
     size = -(-len(series.t) // MOST_POINTS)
     for start in range(0, len(series.t), size):
         end = min(start + size, len(series.t))
@@ -266,9 +268,9 @@ def _chart(
 ) -> ChartData | None:
     """The chart of these rows, None if there are none.
 
-    Zeros go to the floor, as a log axis has no place for them. `names` are the columns that are
-    drawn upwards, the first of them as curves against `x`; `curve` are those that, with the series,
-    tell one curve from another.
+    Zeros are drawn at the floor of the logarithmic axis. `names` are the columns on the vertical
+    axis, the first of them as curves against `x`. A curve is identified by its series and the
+    columns `curve`.
     """
     if not rows:
         return None
@@ -290,9 +292,9 @@ def _count_curves_above(
     y: str,
     ends: tuple[float, float],
 ) -> None:
-    """Adds to each row, as `under`, how many later curves lie on its own.
+    """Adds to each row, as `under`, the number of later curves that coincide with its own.
 
-    Charts draw a curve the wider, the more lie on it, so that every one of them is seen.
+    Charts draw a curve wider the more curves are drawn on top of it, so that all remain visible.
     """
     apart = SAME_LINE * math.log(ends[1] / ends[0])
     pictures: dict[tuple[Any, ...], dict[str, dict[float, float]]] = {}
@@ -310,7 +312,7 @@ def _count_curves_above(
 
 
 def _lies_on(one: dict[float, float], other: dict[float, float], apart: float) -> bool:
-    """True if two curves, as heights by place, have common places and there nearly one height."""
+    """True if two curves, given as {x: y}, share some x and differ there by at most `apart`."""
     common = one.keys() & other.keys()
     return bool(common) and all(abs(one[x] - other[x]) <= apart for x in common)
 

@@ -1,9 +1,9 @@
 """The charts, each defined once as a specification of Vega-Lite: interactive in pages and drawn as
 SVG for Markdown.
 
-A specification is the dict that its JSON says. Altair, which makes such dicts of objects, takes two
-hundred times as long, more than the rest of a report that is made anew; the tests hold every
-specification to Altair's schema.
+A specification is a dict of the same structure as its JSON. Altair, which builds such dicts from
+objects, takes two hundred times as long, more than all the rest of a report. The tests validate
+every specification against Altair's schema.
 """
 
 import json
@@ -89,8 +89,8 @@ def _name(field: str, **more: Any) -> Spec:
 
 
 def _powers(ends: tuple[float, float], most: int) -> list[float]:
-    """At most `most` powers of ten between two ends, evenly apart; with 2 and 5 times these where
-    there are less than two.
+    """At most `most` powers of ten between two ends, evenly spaced; if there are fewer than two,
+    also their multiples by 2 and 5.
     """
     # 1e-9: an end that is a power of ten counts, whatever its logarithm is rounded to.
     first = math.ceil(math.log10(ends[0]) - 1e-9)
@@ -143,8 +143,9 @@ def _picked(data: ChartData, name: str) -> Spec:
 
 
 def _chosen(data: ChartData, spec: Spec) -> Spec:
-    """What clicks in the legend choose, as a parameter of Vega-Lite: each adds a name or takes it
-    back, and without a name everything is shown.
+    """The selection made by clicks in the legend, as a parameter of Vega-Lite.
+
+    Each click adds a name to the selection or removes it. Everything is shown while it is empty.
     """
     if data.kind == "overview":
         legend = "engine"
@@ -166,13 +167,13 @@ def _clicked(spec: Spec) -> Iterator[str]:
 
 
 def _wider(usual: float, each: float) -> Spec:
-    """A width, or an area of a point: the usual one, and more for each curve that lies on this."""
+    """A line width or a point area: `usual`, and `each` more per curve drawn on top of this one."""
     return {"value": {"expr": f"{usual} + {each} * (datum.under || 0)"}}
 
 
 def _opacity(shown: float) -> Spec:
-    """The opacity of a mark, half where another curve lies on it, and little where its reader has
-    chosen others.
+    """The opacity of a mark: halved where another curve lies on it, and low while the legend
+    selects others.
     """
     halved = {"expr": f"datum.under > 0 ? {shown / 2} : {shown}"}
     return {"condition": {"param": "chosen", "value": halved}, "value": FADED}
@@ -214,8 +215,9 @@ def _curves(
 
 
 def _default_steps(data: ChartData) -> list[Spec]:
-    """A dotted line at the default step of each engine, and its name at the foot, with rows of
-    their own.
+    """A dotted line at the default step of each engine, with the engine's name at its foot.
+
+    They have their own data rows.
     """
     x = _quantity("at")
     tips = [_name("name"), _quantity("at", title="step [s]")]

@@ -50,8 +50,9 @@ class Contents:
         return found
 
     def noticed(self, records: Iterable[Record]) -> dict[str, str]:
-        """What the methods of some records would have noticed, a sentence by method; those that
-        no measurement covers are left out.
+        """The resolution of the verdicts on some records: one sentence for each method.
+
+        Methods whose resolution was not measured are left out.
         """
         places = [(record.label, record.engine, record.method) for record in records]
         return {place[-1]: self._noticed[place] for place in places if place in self._noticed}
@@ -137,7 +138,7 @@ def _record_order(record: Record) -> tuple[str, bool, str, str]:
 
 
 def _bare_case(record: Record) -> CaseSheet:
-    """The sheet of a case of which nothing is known but a record."""
+    """The sheet of a case of which there is only a record."""
     return CaseSheet(
         case=record.case,
         label=record.label,
@@ -157,7 +158,7 @@ def _bare_case(record: Record) -> CaseSheet:
 
 
 def _bare_engine(record: Record) -> EngineSheet:
-    """The sheet of an engine of which nothing is known but a record."""
+    """The sheet of an engine of which there is only a record."""
     return EngineSheet(
         engine=record.engine,
         title=record.engine,
@@ -228,7 +229,7 @@ ADVICE: dict[Outcome, str] = {
 
 
 def advice(counts: dict[Outcome, int]) -> str:
-    """What a stranger should do, by the worst outcome."""
+    """What a reader new to the project should do, by the worst outcome."""
     if not counts:
         return "There are no findings: nothing was judged."
     if not any(outcome in counts for outcome in (*DECIDED, *BROKEN)):

@@ -1,8 +1,8 @@
 """Drawing charts: specifications of Vega-Lite as SVG, many of them in processes of their own.
 
-The library that draws runs JavaScript, one picture at a time: a tenth of a second and, in all,
-150 MB. A process reads specifications from its standard input and writes pictures to its standard
-output, each as a list in JSON.
+The drawing library runs JavaScript and draws one picture at a time, in about 0.1 s each. It takes
+150 MB of memory. Each process reads a JSON list of specifications from its standard input and
+writes a JSON list of pictures to its standard output.
 """
 
 import json
@@ -17,7 +17,7 @@ from typing import Any
 import msgspec
 
 MANY = 8
-"""Pictures that are worth a process, which takes as long to start as a few of them to draw."""
+"""Least number of pictures per process: starting one takes as long as drawing a few pictures."""
 
 PAPER = {
     "background": "white",
@@ -51,7 +51,7 @@ def all_drawn(specs: Sequence[str]) -> list[str]:
     processes = min(os.cpu_count() or 1, len(specs) // MANY)
     if processes < 1:
         return [drawn(spec) for spec in specs]
-    # Large and small charts lie beside each other, so each process gets one of every few.
+    # Charts of similar size are neighbours, so charts are dealt out in turn to balance the load.
     shares = [specs[first::processes] for first in range(processes)]
     pictures = [""] * len(specs)
     with ThreadPoolExecutor(processes) as threads:
@@ -89,7 +89,7 @@ def _normalised(svg: str) -> str:
 
 
 def main() -> None:
-    """Draws what comes on standard input, as long as the process that asked for it lives."""
+    """Draws the specifications read from standard input; ends if the parent process ends."""
     parent = os.getppid()
     specs = msgspec.json.decode(sys.stdin.buffer.read(), type=list[str])
     pictures = []

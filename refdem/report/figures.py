@@ -16,7 +16,7 @@ from refdem.report.chart_data import ChartData
 from refdem.report.files import written
 
 SNIPPET = "window.vegaEmbed = vegaEmbed;"
-"""What the shared script leaves for report.js."""
+"""What the shared script provides to report.js."""
 
 ASSETS = Path(__file__).with_name("assets")
 
@@ -70,7 +70,7 @@ def script(store: Store | None) -> bytes:
 
 @cache
 def _script() -> bytes:
-    """The same for every store: made once on a machine."""
+    """The script itself, which is the same for every store and is made once per machine."""
     snippet = hashlib.sha256(SNIPPET.encode()).hexdigest()
     return kept_file(f"vega-{_renderer()}-{snippet}.js", _bundle)
 

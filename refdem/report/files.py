@@ -7,8 +7,9 @@ from refdem.errors import StoreError
 
 
 def written(path: Path, content: str | bytes) -> None:
-    """Puts `content` at `path`, through a file beside it; raises StoreError that says what to
-    do.
+    """Writes `content` to `path` atomically, through a temporary file beside it.
+
+    Raises StoreError with a message that states what to do.
     """
     data = encoded(content)
     try:
@@ -38,7 +39,7 @@ def written_to(path: Path, content: str | bytes, option: str) -> None:
 
 
 def removed(path: Path) -> None:
-    """Takes away a file of an earlier report, if it is there; raises StoreError."""
+    """Deletes a file of an earlier report, if it exists; raises StoreError."""
     try:
         path.unlink(missing_ok=True)
     except OSError as error:

@@ -37,8 +37,8 @@ def write_figures(
 ) -> None:
     """Writes gallery.html, gallery.md, `fig-….svg` and what the page needs.
 
-    Figures that the folder has already stay if they are among `every`, the ids in their order;
-    pictures of others are removed.
+    Figures that the folder already holds are kept if their ids are in `every`, which gives the
+    order of the page. Pictures of all other figures are removed.
     """
     specs = {
         figure.id: json.dumps(specification(figure), separators=(",", ":"), sort_keys=True)
@@ -73,7 +73,7 @@ def write_figures(
 
 
 def earlier(path: Path, part: re.Pattern[str]) -> dict[str, str]:
-    """Figures by id that a file of an earlier gallery tells of; none if there is no such file."""
+    """Figures by id that an earlier gallery file contains; none if there is no such file."""
     if path.is_file():
         text = path.read_text("utf-8", "replace")
     else:
@@ -84,7 +84,7 @@ def earlier(path: Path, part: re.Pattern[str]) -> dict[str, str]:
 def merged(
     order: Sequence[str], before: Mapping[str, str], new: Mapping[str, str]
 ) -> dict[str, str]:
-    """What was made, and else what was there before, in order."""
+    """The figures in order: new ones where they were made, else those of the earlier gallery."""
     return {id: new.get(id) or before[id] for id in order if id in new or id in before}
 
 

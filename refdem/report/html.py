@@ -1,4 +1,4 @@
-"""The pages: Jinja2 with autoescape, as every name in a record may come from a stranger."""
+"""The HTML pages, from Jinja2 templates. Names in records are not trusted, so autoescape is on."""
 
 import itertools
 import math
@@ -55,8 +55,9 @@ def pages(
     has_gallery: bool = False,
     has_site: bool = False,
 ) -> Iterator[tuple[str, str]]:
-    """(file name, text) of every page: cases, engines, and at last the index with its parts, which
-    has links to a gallery and to the site of `make docs` if there are such.
+    """(file name, text) of every page: cases, engines, and last the index with its parts.
+
+    The index links to a gallery and to the site of `make docs` where these exist.
     """
     templates = environment()
     shared = shared_by_all(contents) | {"has_site": has_site}
@@ -124,7 +125,7 @@ def by_engine(contents: Contents, label: str) -> list[tuple[EngineSheet, list[Re
 
 
 def worst_first(findings: tuple[Finding, ...]) -> list[Finding]:
-    """Findings in the order of their outcomes, as they came within one."""
+    """Findings sorted by outcome, worst first; the sort is stable."""
     return sorted(findings, key=lambda finding: WORST_FIRST.index(finding.outcome))
 
 
@@ -190,7 +191,7 @@ def script_json(text: str) -> Markup:
 
 
 def shade(digits: float | None) -> int:
-    """The class of a cell of the matrix: 0 for none correct to 5 for 12 and more."""
+    """The shade of a cell of the matrix, from 0 for no correct digit to 5 for 12 and more."""
     if digits is None:
         return 0
     return sum(digits >= limit for limit in (1, 3, 6, 9, 12))
@@ -211,8 +212,9 @@ def span(apart: tuple[str, float, float]) -> str:
 
 
 def step(row: Row, index: int) -> str:
-    """The largest step that holds a target, as text: `≥` if the coarsest one that ran does, a dash
-    if none does.
+    """The largest step whose error is within a target, as text.
+
+    `≥` precedes the coarsest step that ran, and a dash stands for no step.
     """
     held: Any = row.steps[index]
     if held is None:

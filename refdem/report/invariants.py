@@ -29,8 +29,8 @@ KEPT = 1e-12
 class Law:
     """A law, the check that judges it, and the quantities of that check whose value is the change.
 
-    Of several groups of quantities the first that was decided is shown: the energy at the finest
-    level rather than at the coarsest.
+    Where a law has several groups of quantities, the first group with a decided finding is shown:
+    the energy at the finest level is preferred to that at the coarsest.
     """
 
     title: str
@@ -51,10 +51,10 @@ LAWS = (
 @dataclass(frozen=True)
 class Conserved:
     """How one engine keeps one law in one setting: the verdict, the largest change in units of the
-    scale, and the order with which that falls; None where unknown.
+    scale, and the order with which the change decreases; None where unknown.
 
-    `at_default` is the change at the step that the engine takes by default, which follows from that
-    at the finest step and the order; None where the change is round-off, or no step is the default.
+    `at_default` is the change at the default step of the engine, extrapolated from the finest step
+    with that order; None where the change is round-off, or the engine has no default step.
     """
 
     verdict: Verdict
@@ -66,8 +66,8 @@ class Conserved:
 
     @property
     def digits(self) -> float:
-        """Digits of what is conserved that do not change, at most 16; of those that are kept, all
-        of them.
+        """Digits of the conserved quantity that do not change, at most 16; all 16 where the law is
+        kept to round-off.
         """
         if self.verdict == "kept" or not self.change:
             return MOST_DIGITS
@@ -98,7 +98,7 @@ class Summary:
 
     @property
     def digits(self) -> float:
-        """The share of the settings in which the law is kept, shaded as so many of 16 digits."""
+        """The share of the settings in which the law is kept, times 16, for the shade of a cell."""
         return MOST_DIGITS * self.kept / len(self.settings)
 
     @property
@@ -127,7 +127,7 @@ class LawSheet:
 
 @once_for_each
 def law_sheets(contents: Contents) -> list[LawSheet]:
-    """A sheet for each law that is judged somewhere."""
+    """A sheet for each law that is judged in at least one setting."""
     titles = {sheet.label: sheet.title for sheet in contents.cases}
     default_steps = {engine.engine: engine.default_step for engine in contents.engines}
     sheets = []
@@ -193,9 +193,10 @@ def _conserved(record: Record, law: Law, default_step: float | None) -> Conserve
 
 
 def _at_step(change: float, order: float, steps: list[float], step: float | None) -> float | None:
-    """The change at a step [s], from that at the finest one: change ~ h^p, and at least round-off.
+    """The change at a step [s], extrapolated from the finest one: change ~ h^p, and at least
+    round-off.
 
-    None for a step that is larger than all that ran: it is not known whether the order holds there.
+    None for a step that is larger than all that ran, where the order may not hold.
     """
     if not steps or step is None or step > max(steps):
         return None
@@ -242,7 +243,7 @@ def _verdict(judged: list[Finding], change: float | None) -> Verdict:
 
 
 def _order(findings: Iterable[Finding]) -> float | None:
-    """The order of the method that its run was seen to have; None if that was not judged."""
+    """The observed order of convergence of the method; None if the order was not judged."""
     for finding in findings:
         if finding.check == "order" and finding.outcome == "pass":
             return finding.order_claimed

@@ -24,8 +24,9 @@ _DECODER: msgspec.json.Decoder[Sheet] = msgspec.json.Decoder(Sheet)
 
 
 def lines(sheets: Iterable[Sheet]) -> bytes:
-    """The sheets as JSON lines, the same whether they come from a campaign or from such lines: 0 is
-    written as 0.0.
+    """The sheets as JSON lines; an integer in a float field is written as a float, 0 as 0.0.
+
+    Sheets that are read back are therefore written as the same bytes again.
     """
     decoded = (_DECODER.decode(msgspec.json.encode(finite(sheet))) for sheet in sheets)
     return b"".join(msgspec.json.encode(sheet) + b"\n" for sheet in decoded)
@@ -69,14 +70,14 @@ def content(path: Path) -> bytes:
 
 
 def _printable(line: bytes) -> bytes:
-    """The line with "?" for what does not print in its texts: records may come from a stranger."""
+    """The line with "?" for each unprintable character in its texts: records are not trusted."""
     if line.isascii() and not CONTROL.search(line):
         return line
     return msgspec.json.encode(_cleaned(msgspec.json.decode(line)))
 
 
 def _cleaned(part: Any) -> Any:
-    """A part of a document with texts that print."""
+    """A part of a document whose texts have only printable characters."""
     if isinstance(part, str):
         return printable(part)
     if isinstance(part, list):
@@ -87,10 +88,10 @@ def _cleaned(part: Any) -> Any:
 
 
 def finite(sheet: Sheet) -> Sheet:
-    """The sheet as JSON can carry it: levels and points that are not finite left out, other numbers
-    absent.
+    """The sheet without numbers that are not finite, which JSON cannot represent.
 
-    The finding stays, with its outcome and its sentence, which say that a number was not finite.
+    Such levels and points are left out, and other such numbers become null. The finding is kept;
+    its outcome and its sentence state that a number was not finite.
     """
     if not isinstance(sheet, Record):
         return sheet

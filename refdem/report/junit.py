@@ -37,8 +37,9 @@ def junit(contents: Contents) -> bytes:
 
 
 def _testcase(suite: Element, record: Record, finding: Finding, seconds: float) -> None:
-    """Adds a finding to the suite, with its share of the seconds in the engine; one that passed has
-    no element of its own.
+    """Adds a finding to the suite as a test case, with its share of the seconds in the engine.
+
+    The test case of a finding that passed has no child element.
     """
     place = _text(f"{record.label}/{record.engine}")
     name = _text(record.id(finding))
@@ -56,5 +57,5 @@ def _testcase(suite: Element, record: Record, finding: Finding, seconds: float) 
 
 
 def _text(text: str) -> str:
-    """Text without the characters that XML 1.0 has no place for."""
+    """Text without the characters that XML 1.0 does not allow."""
     return _FORBIDDEN.sub("\ufffd", text)

@@ -35,8 +35,8 @@ def write_pages(
     version: str,
     chapter: Sequence[ChapterLine] = (),
 ) -> None:
-    """Writes manual/<case>.md and .html, manual/index and manual/chapter of both kinds, and the
-    style; pages of cases that are gone are removed.
+    """Writes manual/<case>.md and .html, manual/index and manual/chapter in both formats, and the
+    style sheet; removes pages of cases that no longer exist.
     """
     home = Path(folder) / "manual"
     known = {"index.md", "index.html", "chapter.md", "chapter.html"}
@@ -138,7 +138,7 @@ def parameters(page: ManualPage) -> tuple[list[str], list[list[str]]]:
 
 
 def quantities(entries: Sequence[QuantityLine]) -> str:
-    """A table, or a list of names where they are many."""
+    """A table of the quantities, or a list of their names where they are many."""
     if len(entries) > FEW:
         names = ", ".join(f"`{line.name}`" for line in entries)
         return f"{len(entries)} values: {names}."
@@ -148,7 +148,7 @@ def quantities(entries: Sequence[QuantityLine]) -> str:
 
 
 def scalars(entries: Sequence[QuantityLine]) -> str:
-    """A table, or the first of many."""
+    """A table of the scalars, or of the first ones where they are many."""
     lines = [[f"`{line.name}`", line.mid, line.radius] for line in entries[:FEW]]
     first = table(["scalar", "value", "radius"], lines)
     if len(entries) <= FEW:
@@ -157,8 +157,8 @@ def scalars(entries: Sequence[QuantityLine]) -> str:
 
 
 def moved(page: ManualPage) -> str:
-    """A table of the numbers of the case: the quantity that each moves most, by certified
-    derivatives.
+    """A table of the numbers of the case, each with the quantity that is most sensitive to it, by
+    certified derivatives.
     """
     command = f"refdem truth {page.case} --sensitivities --at {page.moved_at}"
     lines = Moved(label=page.case, at=page.moved_at, command=command, numbers=page.moved)
@@ -167,7 +167,7 @@ def moved(page: ManualPage) -> str:
 
 
 def truth(page: ManualPage) -> str:
-    """How it is proved, who witnesses it, and what of it is certified."""
+    """How the truth is proved, its independent witnesses, and the certified values."""
     t = page.truth
     confirmed = ""
     if t.witnessed:
@@ -204,7 +204,7 @@ def checks(entries: Sequence[CheckLine]) -> str:
 
 
 def slips(page: ManualPage) -> list[str]:
-    """What the source says, what holds, and the numbers."""
+    """The slips of the source: its statement, the correct one, and the numbers of each."""
     paragraphs = []
     for slip in page.slips:
         where = markdown_text(slip.where)
@@ -217,7 +217,7 @@ def slips(page: ManualPage) -> list[str]:
 
 
 def index_markdown(pages: Sequence[ManualPage]) -> str:
-    """Who proves what and who witnesses it."""
+    """The index in Markdown: how each case is proved, and its independent witnesses."""
     lines = [_index_line(page) for page in pages]
     values = sum(page.truth.values for page in pages)
     witnessed = sum(page.truth.witnessed for page in pages)

@@ -1,8 +1,8 @@
 """Margins of a campaign's findings, log10 of bound over value, by check, case and engine.
 
 A bound three decades above all values that were measured against it detects little.
-`python -m refdem.report.margins FOLDER` prints the groups of a report's records whose margins are
-all that wide, and how wide margins are check by check.
+`python -m refdem.report.margins FOLDER` prints the groups of findings all of whose margins are that
+wide, and the distribution of margins for each check.
 """
 
 import math
@@ -21,15 +21,15 @@ from refdem.report.jsonl import sheets_in
 LOOSE = 3.0
 """Decades: a group all of whose margins are at least this wide is loose."""
 AT_ROUND_OFF = 1e-9
-"""A bound below this part of a scale is one of round-off, which keeps two decades of room for other
-processors.
+"""A bound below this fraction of a scale is one of round-off. It leaves two decades of room for
+other processors.
 """
 
 
 @dataclass(frozen=True)
 class Group:
-    """The decided findings of one check on one instance in one engine that have a finite margin, of
-    whatever method and quantity.
+    """The decided findings with a finite margin of one check on one instance in one engine, over
+    all methods and quantities.
     """
 
     check: str
@@ -54,7 +54,7 @@ class Group:
 
     @property
     def is_at_round_off(self) -> bool:
-        """What came nearest to its bound has one of round-off."""
+        """True if the finding that came nearest to its bound has a bound at round-off."""
         return self.nearest.bound is not None and self.nearest.bound < AT_ROUND_OFF
 
     @property
@@ -72,9 +72,7 @@ class Group:
 
 
 def groups(records: Iterable[Record]) -> list[Group]:
-    """The groups, in the order of their names; what is undecided and what is exactly 0 has no
-    margin to compare.
-    """
+    """The groups, sorted by name; undecided findings and values of exactly 0 have no margin."""
     by_group: dict[tuple[str, str, str], list[Finding]] = defaultdict(list)
     for record in records:
         for finding in record.findings:

@@ -1,6 +1,6 @@
-"""validation.md: what is committed, so no times, dates or hosts, and two significant digits.
+"""validation.md, the committed report: no times, dates or hosts, and two significant digits.
 
-figures.md beside it shows the figure of each case; a repository can leave both it and them out.
+figures.md beside it shows the figure of each case. A repository need not commit it or the figures.
 """
 
 import math
@@ -187,7 +187,7 @@ def _engine(record: Record) -> str:
 
 
 def _tagged(engine: str, is_reference: bool) -> str:
-    """The engine, said to be the reference if its name does not say so."""
+    """The name of the engine, with "(reference)" after it unless the name already states so."""
     name = markdown_text(engine)
     if is_reference and engine != "reference":
         return f"{name} (reference)"
@@ -275,7 +275,7 @@ def _case(label: str, title: str, method: str, reproduce: str) -> str:
 
 
 def _moved(sheet: Moved | None) -> str:
-    """The table of what each number of an instance moves; empty where nothing was found out."""
+    """The table of what each number of an instance moves; empty where it was not computed."""
     if sheet is None or not sheet.numbers:
         return ""
     words = f"{words_of(sheet, 'these parameters')} All: {markdown_text(sheet.command)}."

@@ -89,13 +89,13 @@ def _equation(latex: str) -> Markup:
 
     try:
         tree = Converter(display="block").convert_to_element(latex)
-    except Exception:  # latex2mathml has no class of its own for all that can be wrong with LaTeX
+    except Exception:  # latex2mathml has no common base class for its errors
         return Markup("<code>{}</code>").format(latex)
     return Markup(_clean(tree))
 
 
 def _clean(element: Element) -> str:
-    """The element as markup; what is not on the lists is left out, its text is kept as text."""
+    """The element as markup; elements that are not allowed are replaced by their text."""
     inside = _text(element.text)
     for child in element:
         inside += _clean(child) + _text(child.tail)

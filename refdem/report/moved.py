@@ -53,7 +53,7 @@ def _escaped(cells: Cells) -> list[str]:
 
 
 def _code(name: str) -> str:
-    """A name as code; a text that is no name, which records may bring, is escaped instead."""
+    """A name as code; text that is no name, which untrusted records may hold, is escaped."""
     if NAME.fullmatch(name):
         return f"`{name}`"
     return markdown_text(name)

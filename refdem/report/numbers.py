@@ -1,4 +1,4 @@
-"""Numbers as people read them: two significant digits, or as many as are asked for."""
+"""Numbers formatted for people: two significant digits, or as many as requested."""
 
 import math
 

@@ -1,5 +1,5 @@
-"""The first screen of a report: how right each engine is in each case, grouped by what moves, and
-which method and step to take.
+"""The first screen of a report: how accurate each engine is in each case, grouped by the kind of
+motion, and which method and step to take.
 """
 
 import math
@@ -18,7 +18,7 @@ from refdem.report.tolerance import Cell
 MOST_DIGITS = 16.0
 """Digits that are shown of an error, at most: binary64 has no more."""
 SENSITIVE = 1e8
-"""Growth of round-off from which on a cell tells it: half of the digits of binary64."""
+"""Growth of round-off above which a cell shows it: half of the digits of binary64 are lost."""
 WANTED = (3, 6, 9)
 """Correct digits for which a method and a step are recommended."""
 
@@ -28,8 +28,9 @@ class CaseCell:
     """One engine in all settings of a case.
 
     `cell` has the digits of the setting `label`, in which the fewest are correct, and the outcomes
-    of all settings; digits were measured in so many of the settings that the engine was asked for.
-    `refused` has the reasons why it ran none of the others, with the number of settings.
+    of all settings. The engine was requested to run `asked` settings, and digits were measured in
+    `measured` of these. `refused` has the reasons why it did not run the others, with the number
+    of settings.
     """
 
     cell: Cell
@@ -51,9 +52,10 @@ class CaseLine:
 
 @dataclass(frozen=True)
 class Advised:
-    """What is recommended to an engine for one kind of motion: for each number of digits of WANTED
-    the method that holds them in most settings, of these the one with the fewest steps; None where
-    none does.
+    """The recommended methods of one engine for one kind of motion.
+
+    For each number of digits in WANTED it is the method that holds them in the most settings, among
+    these the one with the fewest steps; None where no method does.
     """
 
     motion: str
@@ -63,7 +65,7 @@ class Advised:
 
 
 def motions(contents: Contents) -> dict[str, list[CaseSheet]]:
-    """The instances by what happens in them, in the order of the kinds of motion."""
+    """The instances by their kind of motion, in the order of these kinds."""
     found: dict[str, list[CaseSheet]] = {name: [] for name in get_args(Moving)}
     for sheet in contents.cases:
         # A record may come from a later version, with a kind that is not known here.
@@ -163,10 +165,10 @@ def _is_of(choice: Choice, engine: str, motion: str, of_label: Mapping[str, str]
 
 
 def _best(found: list[Choice]) -> Recommendation | None:
-    """The method that holds in most settings, of these the one with the fewest steps, and of these
-    the first by name; None if none holds in any.
+    """The method that holds in the most settings; None if none holds in any.
 
-    Steps are counted, not timed: a report of the same runs says the same on every machine.
+    Ties are broken by the number of steps, then by name. Steps are counted and not timed, so that a
+    report of the same runs gives the same recommendation on every machine.
     """
     best = min(recommendations(found), key=_fewest_steps_first)
     if not best.held:
@@ -180,7 +182,7 @@ def _fewest_steps_first(one: Recommendation) -> tuple[int, float, str]:
 
 
 def _shown_steps(steps: float) -> float:
-    """A number of steps in two digits, rounded up: with fewer, the digits were not seen to hold."""
+    """A number of steps in two digits, rounded up: fewer were not shown to hold the digits."""
     if not 0 < steps < math.inf:
         return steps
     unit = 10.0 ** max(0, math.floor(math.log10(steps)) - 1)

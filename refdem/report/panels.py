@@ -1,5 +1,5 @@
-"""Panels of figures as Vega-Lite: curves thinned to what a screen shows, clouds as pictures of
-their density.
+"""Panels of figures as Vega-Lite: curves simplified to the resolution of a screen, point clouds as
+images of their density.
 """
 
 import base64
@@ -19,7 +19,7 @@ from refdem.report.palette import ENGINES, REFERENCE
 
 Array = NDArray[np.float64]
 FINE = 0.3
-"""Pixels by which a curve may be off, and by which points that are drawn are apart."""
+"""Largest deviation of a simplified curve, and grid of drawn points [pixels]."""
 DOTS_PER_PIXEL = 2
 """Dots of a cloud's picture on each pixel."""
 SYMBOL = 26
@@ -220,8 +220,9 @@ def pixels(series: Series, panel: Panel) -> Array:
 
 
 def kept(series: Series, panel: Panel) -> NDArray[np.int64]:
-    """Which points are drawn: of points one in each dot, of a curve those that it needs to be off
-    by no more than FINE pixels.
+    """Indices of the points that are drawn.
+
+    Of points, one in each dot is drawn; of a curve, those that keep it within FINE pixels.
     """
     place = pixels(series, panel)
     if series.mark == "points":
@@ -240,8 +241,8 @@ def kept(series: Series, panel: Panel) -> NDArray[np.int64]:
 
 
 def _corners(place: Array) -> NDArray[np.int64]:
-    """Numbers of the points of a curve (N, 2) that stay: Douglas and Peucker 1973, from an explicit
-    stack.
+    """Indices of the points of a curve (N, 2) that are kept, by the algorithm of Douglas and
+    Peucker (1973) with an explicit stack.
     """
     stay = np.zeros(len(place), bool)
     stay[[0, -1]] = True
@@ -273,9 +274,7 @@ def _corners(place: Array) -> NDArray[np.int64]:
 
 
 def density(series: Series, panel: Panel) -> str:
-    """A cloud as a picture (PNG in a data address): the more points in a dot, the less it lets
-    through.
-    """
+    """A cloud as an image (PNG in a data URL): opacity grows with the number of points in a dot."""
     place = pixels(series, panel)
     width = panel.size[0] * DOTS_PER_PIXEL
     height = panel.size[1] * DOTS_PER_PIXEL
@@ -302,8 +301,8 @@ def density(series: Series, panel: Panel) -> str:
 
 
 def _png(levels: NDArray[np.uint8], ink: tuple[int, ...]) -> bytes:
-    """A picture (height, width) of one ink in 16 levels of opacity, 4 bits a dot (ISO/IEC
-    15948).
+    """An image (height, width) of one ink in 16 levels of opacity, 4 bits per dot, as PNG
+    (ISO/IEC 15948).
     """
     height, width = levels.shape
     packed = (levels[:, ::2] << 4) | levels[:, 1::2]

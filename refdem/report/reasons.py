@@ -1,7 +1,7 @@
 """Reasons why findings are not passes.
 
-Of each outcome every sentence is shown once, with the findings that say it; those that decided
-nothing are grouped by their first statement.
+For each outcome every sentence is shown once, with the findings that have it. Undecided findings
+are grouped by their first statement.
 """
 
 from dataclasses import dataclass, field
@@ -15,8 +15,8 @@ Findings = list[tuple[Record, Finding]]
 
 @dataclass(frozen=True)
 class Reason:
-    """A reason, and the findings for which it holds, by what their sentences say beyond it,
-    which may be nothing.
+    """A reason, and the findings for which it holds, by the rest of their sentences after it, which
+    may be empty.
     """
 
     heading: str
@@ -43,8 +43,9 @@ def reasons_by_outcome(contents: Contents) -> dict[Outcome, list[Reason]]:
 
 
 def _grouped(sentences: dict[str, Findings], outcome: Outcome) -> list[Reason]:
-    """Sentences that open alike are one reason if nothing was decided; of what failed, a reader
-    looks for the numbers that follow.
+    """Sentences as reasons: undecided ones with the same first statement are joined.
+
+    Sentences of failures stay separate, because a reader needs the numbers in them.
     """
     if outcome != "undecided":
         return [Reason(sentence, {"": found}) for sentence, found in sentences.items()]

@@ -35,8 +35,9 @@ def files(contents: Contents) -> Iterator[tuple[str, str]]:
 
 
 def looks_of(contents: Contents, replay: Replay) -> dict[str, tuple[str, str]]:
-    """Colour and shape of every series (engine and method) of a replay, as the chart of errors has
-    them, which gives out the shapes of an engine in the order of its rows.
+    """Colour and shape of every series (engine and method) of a replay, as in the chart of errors.
+
+    That chart assigns the shapes of an engine in the order of its rows.
     """
     records = [row.record for row in rows_of(contents, replay.label)]
     charted = [(record.engine, record.method) for record in records]
@@ -54,7 +55,7 @@ def is_replay(name: str) -> bool:
 def handed_over(function: str, name: str, value: object) -> str:
     """The script that calls a function of the page with a name and a value.
 
-    Nothing in it can end it, or a script element that it may once stand in.
+    Its text is escaped so that it cannot end the string, or a script element that contains it.
     """
     text = json.dumps(value, ensure_ascii=False, separators=(",", ":"))
     for character in ("</", "<!--", "\u2028", "\u2029"):

@@ -28,8 +28,9 @@ measures it anew; trials lie within a factor of 1.5 of each other.
 
 
 def write(folder: Path, found: Iterable[Resolution]) -> None:
-    """Writes the page and its data, which the next report in this folder tells on the pages of its
-    cases; raises StoreError.
+    """Writes the page and its data; raises StoreError.
+
+    The next report in this folder shows the data on the pages of its cases.
     """
     found = list(found)
     written(folder / DATA, jsonl(found))
@@ -80,7 +81,7 @@ def markdown(found: Iterable[Resolution]) -> str:
 
 
 def _table(label: str, found: list[Resolution]) -> str:
-    """The table of one case, and the reasons of what is not seen."""
+    """The table of one case, and why some misreadings are not detected."""
     names = list(dict.fromkeys(seen.number for one in found for seen in one.numbers))
     by_method = [{seen.number: seen for seen in one.numbers} for one in found]
     rows = []
@@ -104,9 +105,7 @@ def _table(label: str, found: list[Resolution]) -> str:
 
 
 def _reasons(found: list[Resolution]) -> list[str]:
-    """A line for each number and reason for which nothing of it is seen, with the methods that do
-    not.
-    """
+    """A line for each number and each reason why no misreading is detected, with the methods."""
     blind: dict[tuple[str, str], list[str]] = {}
     for one in found:
         for seen in one.numbers:

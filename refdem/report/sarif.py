@@ -16,9 +16,9 @@ def sarif(contents: Contents, described_in: PurePath) -> bytes:
     """The document: a rule for each check that found something broken, and a result for each such
     finding, at the refdem.toml that describes the program.
 
-    SARIF asks for a place in a file, and a finding is about a motion: the file whose claims are
-    judged is the one that its author can open. Of a path outside of the current folder the whole
-    address stands there.
+    SARIF requires a location in a file, but a finding concerns a motion. The location is therefore
+    the refdem.toml whose claims are judged. A path outside the current folder is given as a full
+    address.
     """
     broken = [(record, finding) for record, finding in contents.findings() if _is_broken(finding)]
     checks = sorted({finding.check for _, finding in broken})

@@ -1,4 +1,4 @@
-"""The tolerance table: how right, at which step, at what cost; and the matrix of correct digits."""
+"""The tolerance table: accuracy, step and cost of each method; and the matrix of correct digits."""
 
 import math
 from collections.abc import Iterable
@@ -27,8 +27,8 @@ class Row:
 
     `steps` has the largest step (or tolerance) that holds each of TARGETS, and whether it is the
     coarsest that ran.
-    `apart`: the engine that is farthest off, and bounds on the distance: |a - b| <= distance <= a +
-    b for errors a, b.
+    `apart` is the engine whose result is farthest away, with bounds on the distance. For errors
+    a and b of the two: |a - b| <= distance <= a + b (triangle inequality).
     """
 
     record: Record
@@ -56,7 +56,7 @@ class Row:
 
 
 def control_of(finding: Finding) -> Control:
-    """How the accuracy was controlled: a step has an order, an exact method has level 0."""
+    """How accuracy was controlled: a finding with an order has a step, an exact method level 0."""
     if all(level.level == 0 for level in finding.levels):
         return "exact"
     if finding.order_claimed is not None:
@@ -73,7 +73,7 @@ def rows_of(contents: Contents, label: str) -> list[Row]:
 
 @once_for_each
 def _rows_by_label(contents: Contents) -> dict[str, list[Row]]:
-    """The rows of every instance: the tables, the matrix and the advice all are made of them."""
+    """The rows of every instance, from which tables, matrix and advice are made."""
     return {sheet.label: _rows(contents, sheet.label) for sheet in contents.cases}
 
 
@@ -214,8 +214,8 @@ class Cell:
     """One instance in one engine: the method with most correct digits (None if nothing was
     measured) and outcomes.
 
-    `growth` is how many times as large the motion makes an error of round-off, where the method has
-    no other: its bound over the unit round-off.
+    `growth` is the factor by which the motion amplifies round-off, for a method that has no other
+    error: its bound over the unit round-off.
     """
 
     digits: float | None

@@ -1,5 +1,5 @@
-"""A report of which nothing has changed is not written again: what it was made of, and how its
-files were left, is in the store.
+"""Whether a report is up to date, so that it need not be written again: the store holds digests of
+its inputs and the state of its files.
 """
 
 import hashlib
@@ -20,8 +20,8 @@ Files = dict[str, tuple[int, int]]
 
 
 class _State(msgspec.Struct):
-    """How a report was left: digests of its sheets, of its file of records and of what made it, and
-    the state of its files.
+    """The state of a report when it was written: digests of its sheets, of its file of records and
+    of the code that made it, and the state of its files.
     """
 
     sheets: str
@@ -31,17 +31,18 @@ class _State(msgspec.Struct):
 
 
 def stands(folder: Path, sheets: Sequence[Sheet], store: Store) -> bool:
-    """True if the report in the folder was made of these sheets (how long they took apart) and
-    it was not changed since.
+    """True if the report in the folder was made of these sheets and is unmodified.
+
+    Times in the sheets are not compared.
     """
     state = _left(folder, store)
     return state is not None and state.sheets == _of_sheets(sheets) and _is_untouched(folder, state)
 
 
 def is_as_left(folder: Path, store: Store) -> bool:
-    """True if the report in the folder would be made of its own records again as it stands.
+    """True if the report in the folder is up to date with its own records.
 
-    The records are compared byte by byte, and not read.
+    The digest of the records is compared; they are not parsed.
     """
     state = _left(folder, store)
     if state is None or state.records is None:
@@ -50,18 +51,18 @@ def is_as_left(folder: Path, store: Store) -> bool:
 
 
 def left(folder: Path, sheets: Sequence[Sheet], store: Store) -> None:
-    """Keeps how a report has just been written."""
+    """Stores the state of a report that has just been written."""
     state = _State(_of_sheets(sheets), _of_records(folder), _maker(folder), _files(folder))
     store.put("report", _text(folder.resolve()), msgspec.json.encode(state))
 
 
 def _left(folder: Path, store: Store) -> _State | None:
-    """How the report in a folder was left, None if that is unknown."""
+    """The stored state of the report in a folder, None if there is none."""
     return store.read("report", _text(folder.resolve()), msgspec.json.Decoder(_State).decode)
 
 
 def _is_untouched(folder: Path, state: _State) -> bool:
-    """True if what makes reports is the same, and so are all files in the folder."""
+    """True if the code that makes reports and all files in the folder are unchanged."""
     return state.maker == _maker(folder) and state.files == _files(folder)
 
 
@@ -99,7 +100,7 @@ def _maker(folder: Path) -> str:
 
 
 def _text(path: Path) -> str:
-    """A path as UTF-8 can have it: names of files may hold any bytes."""
+    """A path as valid UTF-8; file names may hold any bytes."""
     return str(path).encode("utf-8", "backslashreplace").decode("utf-8")
 
 

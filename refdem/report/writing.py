@@ -16,12 +16,13 @@ from refdem.report.junit import junit
 from refdem.report.tolerance import Row, rows_of
 
 FOLDERS = ("assets", "cases", "figures")
-"""Where the files of a report lie, beside the folder itself."""
+"""Subfolders that hold files of a report."""
 
 
 def write_everything(folder: Path, sheets: Sequence[Sheet], store: Store | None) -> None:
-    """Records first, so that the report can be made again if a later file cannot be written;
-    index.html last.
+    """Writes all files of a report: records first, index.html last.
+
+    If a later file cannot be written, the report can be made again from the records.
     """
     contents = contents_of(sheets)
     rows = {sheet.label: rows_of(contents, sheet.label) for sheet in contents.cases}
@@ -55,9 +56,7 @@ def write_everything(folder: Path, sheets: Sequence[Sheet], store: Store | None)
 
 
 def _clear(folder: Path, labels: set[str]) -> None:
-    """Removes pages and pictures of instances that the report in this folder had and the new one
-    has not.
-    """
+    """Removes pages and pictures of instances that are not in the new report."""
     try:
         before = {
             sheet.label for sheet in sheets_in(folder) if isinstance(sheet, CaseSheet | Record)

@@ -1,6 +1,6 @@
 """The smoke test of an adapter: clock, units, signs, shapes, quaternion order, inertia axes.
 
-Probes are so simple that any engine solves them; what is wrong is the fault of its adapter.
+Probes are so simple that any engine solves them, so that a wrong result is due to its adapter.
 """
 
 from collections.abc import Callable
@@ -35,17 +35,18 @@ from refdem.smoke.turning_probes import turning_probes
 Array = NDArray[np.float64]
 
 STEP = INTERVAL / 128
-"""[s]. First-order methods are then within 1 % on all probes, whose fastest rate is 20 /s."""
+"""Step [s] at which first-order methods are within 1 % on all probes, whose fastest rate is 20 /s.
+"""
 TOLERANCE = 1e-8
 """Relative tolerance of methods that control their error: far below BOUND for all of them."""
 BOUND = 0.02
-"""Largest error of a probe in units of its scale: twice the 1 % of first-order methods (STEP), a
-fifth of what BASIS says of a wrong convention.
+"""Largest error of a probe in units of its scale: twice the 1 % of first-order methods (STEP), and
+a fifth of the error by a wrong convention (BASIS).
 """
 SMOOTH_BOUND = 0.001
 """The same where the force is smooth and the method claims the order 2 or more, a tolerance, or to
-be exact. Its error is at most C (1 + T/tau) (h/tau)^2 = 5e-4 C at the rate 1/tau = 20 /s, where
-C = 1, so that a number that is wrong by 1 % shows.
+be exact. Its error is at most C (1 + T/tau) (h/tau)^2 = 5e-4 C at the rate 1/tau = 20 /s, with
+C = 1, so that a number with an error of 1 % is detected.
 """
 BASIS = (
     "a wrong unit, sign, axis or order changes a probe by more than a tenth"
@@ -60,8 +61,8 @@ SMOOTH_BASIS = (
 RATE = 20.0
 """The fastest rate of a probe [1/s]."""
 PRINTED = 2.0**-31
-"""Least bound on what two steps imply, in units of the scale of a probe: 5e-10, which numbers
-printed with ten digits keep, and the sum of the roundings of 4096 steps by far.
+"""Least bound on the error that is estimated from two steps, in units of the scale of a probe. The
+5e-10 allow for numbers printed with ten digits, and exceed the round-off of 4096 steps by far.
 """
 IMPLIED_BASIS = (
     "error implied by the change from twice the step, {factor:.3g} times that change, for order"
@@ -135,7 +136,7 @@ def _refusal(reasons: list[tuple[Method, str | None]], probe: Probe) -> str:
 
 
 def _never_answers(findings: list[Finding]) -> bool:
-    """True if there is no result yet, and at least ENOUGH failures, all with the same cause."""
+    """True if there is no result so far, and at least ENOUGH failures, all with the same cause."""
     if any(finding.outcome in ("pass", "fail") for finding in findings):
         return False
     failed = [finding for finding in findings if finding.outcome == "error"]
@@ -172,7 +173,7 @@ def _with_others(finding: Finding, failed: list[str], unasked: list[str]) -> Fin
 
 
 def _cause(finding: Finding) -> str:
-    """What an error is, without the probe at which it came and the files that are kept of it."""
+    """The text of an error without the probe at which it occurred and the files kept of it."""
     cause = finding.sentence.partition(": ")[2]
     for ending in (KEPT, NOT_AGAIN):
         cause = cause.partition(ending)[0]
@@ -197,8 +198,8 @@ def _worst(by_method: list[list[Finding]]) -> list[Finding]:
 
 
 def _badness(finding: Finding) -> float:
-    """A number to rank findings by: the error as a part of its bound, above all an error finding,
-    below all a refusal.
+    """The rank of a finding: the ratio of error to bound. An error finding ranks above and a
+    refusal below all others.
     """
     if finding.outcome == "unsupported":
         return -1.0
@@ -219,7 +220,7 @@ def _judged(engine: Engine, method: Method, probe: Probe) -> list[Finding]:
         return [
             Finding(check="smoke", quantity=probe.name, outcome="unsupported", sentence=str(error))
         ]
-    # Whatever an adapter raises is its fault, and becomes a finding.
+    # Any exception of an adapter is its fault, and becomes a finding.
     except Exception as error:
         sentence = f"{method.name} on {probe.name!r}: {type(error).__name__}: {error}"
         return [Finding(check="smoke", quantity=probe.name, outcome="error", sentence=sentence)]
@@ -244,10 +245,10 @@ def _changes_from_twice_the_step(
     engine: Engine, request: Request, probe: Probe, observed: Expected
 ) -> dict[str, float]:
     """The largest change of every quantity from twice the step, in units of its scale; empty where
-    it implies no error.
+    no error is estimated from it.
 
-    It implies none for methods without steps, in single precision, whose roundings are of that
-    size, for velocities that lag, and where a force jumps within a step.
+    No error is estimated for methods without steps, for single precision, whose round-off is of the
+    same size, for velocities that lag, and where a force jumps within a step.
     """
     method = engine.method(request.method)
     if (
@@ -281,8 +282,10 @@ def _sharpest_kink(probe: Probe) -> float:
 
 
 def _allowed(method: Method, probe: Probe, change: float | None) -> tuple[float, str]:
-    """The largest error of a probe in units of its scale, and its basis: the smaller of what holds
-    for every right program and of what the `change` from twice the step implies.
+    """The bound on the error of a probe in units of its scale, and its basis.
+
+    It is the smaller one of the bound for every correct program and of the estimate from the
+    `change` from twice the step.
     """
     bound, basis = _allowed_at_most(method, probe)
     if change is None:
@@ -290,7 +293,7 @@ def _allowed(method: Method, probe: Probe, change: float | None) -> tuple[float,
     order = method.order_for(Motion(probe.scene, probe.times).features)
     n = _sharpest_kink(probe)
     if np.isinf(n):
-        # With e(h) = C h^p the change from 2 h to h is (2^p - 1) e(h).
+        # With e(h) = C h^p the change from 2 h to h is e(2 h) - e(h) = (2^p - 1) e(h).
         factor = PREDICTION_FACTOR / (2.0**order - 1.0)
         beside = 0.0
     else:
@@ -304,7 +307,8 @@ def _allowed(method: Method, probe: Probe, change: float | None) -> tuple[float,
 
 
 def _allowed_at_most(method: Method, probe: Probe) -> tuple[float, str]:
-    """The largest error of a probe in units of its scale for every right program, and its basis.
+    """The bound on the error of a probe in units of its scale for every correct program, and its
+    basis.
 
     A kink of the force lowers the order of fixed steps, and velocities that lag are compared with
     those half a step later.
@@ -333,7 +337,7 @@ def _few_roundings(method: Method) -> float:
 
 
 def _clock(trajectory: Trajectory, request: Request, probe: Probe, method: Method) -> Finding:
-    """The finding on the engine's own times, which must be the samples that were asked for."""
+    """The finding on the engine's own times, which must be the requested samples."""
     times = request.problem.times
     error = float(np.max(np.abs(trajectory.t - times)) / np.max(np.abs(times)))
     sentence = (
@@ -415,7 +419,7 @@ def _compared(
 ) -> Finding:
     """The finding on one quantity, compared with its formula over the whole run.
 
-    `right` and `observed` have all quantities, for the diagnosis of what the adapter got wrong;
+    `right` and `observed` have all quantities, for the diagnosis of the adapter's mistake;
     `allowed` is the bound with its basis.
     """
     values = observed[name]

@@ -1,8 +1,8 @@
 """The first finding of a smoke test: the program takes exactly `stride` steps from each sample to
 the next.
 
-A program that compares times instead of counting steps makes one step too many or too few where the
-sum of its steps is rounded. At each sample
+A program that compares times instead of counting steps makes one step too many or too few because
+of the rounding of its summed time. At each sample
 
     excess of steps = (elapsed time - requested time)/step.
 """
@@ -55,7 +55,7 @@ def counted(engine: Engine, method: Method) -> list[Finding]:
             return [_judged(engine, method, scene)]
         except UnsupportedError:
             continue
-        # Whatever an adapter raises is its fault, and becomes a finding.
+        # Any exception of an adapter is its fault, and becomes a finding.
         except Exception as error:
             sentence = f"{method.name} on a {scene.name}: {type(error).__name__}: {error}"
             return [Finding(check="smoke", quantity=QUANTITY, outcome="error", sentence=sentence)]
@@ -126,7 +126,7 @@ def refuse_other_shape(trajectory: Trajectory, asked: Request) -> None:
 
 
 def _pace(passed: Array, asked: Request) -> float:
-    """Time passed over time asked for if that is a matter of units, else 1.
+    """The ratio of elapsed to requested time if it is explained by another unit, else 1.
 
     `passed` (T,) [s] is the time that the state shows. A ratio within PLAUSIBLE is a miscount of
     steps, not another unit.
@@ -141,7 +141,7 @@ def _pace(passed: Array, asked: Request) -> float:
 
 
 def _excess_steps(scene: ClockScene, asked: Request, run: Trajectory, pace: float) -> Array:
-    """Steps (T,) taken beyond those asked for, up to each sample.
+    """The number of steps (T,) in excess of the requested ones, up to each sample.
 
     Measured by the state and by the program's own time, whichever deviates more.
     """

@@ -33,9 +33,9 @@ backwards, in double precision, and a summed clock in single precision too:
 tests/smoke/test_clock_probes.py runs those clocks.
 """
 GRAVITY = -9.75
-"""Along y [m/s^2], in the scene that falls."""
+"""Gravity along y [m/s^2], in the scene of a falling body."""
 DELAY = 16
-"""The first sample is so many intervals after time zero."""
+"""Number of intervals between time zero and the first sample."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

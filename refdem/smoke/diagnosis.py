@@ -20,13 +20,15 @@ Array = NDArray[np.float64]
 Slip = Callable[[Expected], Expected]
 
 NEAR = 0.02
-"""A slip explains a column if its result is within this part of the scale of the observed one."""
+"""Largest difference, relative to the scale, of an observed column and that of a slip which
+explains it.
+"""
 LEFT = 0.25
-"""A mistake explains an error if at most this part of it is left."""
+"""Largest fraction of an error that a mistake which explains it leaves."""
 MOST_NAMED = 4
-"""Explanations that are named, of those that explain an answer equally."""
+"""Largest number of equally good explanations that are named."""
 POINT_FACTOR = 10.0
-"""A displaced point explains an error if less than a tenth of it is left."""
+"""Largest fraction of an error that a displaced point which explains it leaves."""
 
 
 @dataclass(frozen=True)

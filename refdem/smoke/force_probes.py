@@ -21,9 +21,9 @@ Array = NDArray[np.float64]
 Vector = tuple[float, float, float]
 
 STIFFNESS = 800.0
-"""[N/m], of contacts: they last a seventh of a second."""
+"""Stiffness [N/m] of contacts, which last a seventh of a second."""
 LATER = 2.0
-"""[s], the time at which a driven probe starts."""
+"""Time [s] at which a driven probe starts."""
 
 
 def force_probes() -> tuple[Probe, ...]:
@@ -80,10 +80,12 @@ def _diagonal_spring() -> Probe:
 
 
 def _two_springs() -> Probe:
-    """A mass between two unlike springs on a diagonal, which are pressed and stretched in turn.
+    """A mass between two unlike springs on a diagonal, which are alternately compressed and
+    stretched.
 
-    m s'' = -k1 (s - l1) + k2 (D - s - l2), s being the distance from the first anchor and D that of
-    the anchors: it swings about (k1 l1 + k2 (D - l2))/(k1 + k2) with w = sqrt((k1 + k2)/m) = 2 /s.
+    m s'' = -k1 (s - l1) + k2 (D - s - l2), with the distance s from the first anchor and D of the
+    anchors: it oscillates about (k1 l1 + k2 (D - l2))/(k1 + k2) with
+    w = sqrt((k1 + k2)/m) = 2 /s.
     """
     anchor = np.array([-1.0, 2.0, 0.0])
     along = np.array([0.8, -0.6, 0.0])
@@ -113,8 +115,8 @@ def _two_springs() -> Probe:
 def _damped_pair() -> Probe:
     """Two points joined by a dashpot, of which one passes the other askew.
 
-    The relative velocity falls as exp(-g t), g = c/mu, with the reduced mass mu = m1 m2/(m1 + m2),
-    in all directions alike.
+    In every direction the relative velocity decays as exp(-g t), g = c/mu, with the reduced mass
+    mu = m1 m2/(m1 + m2).
     """
     masses = np.array([2.0, 3.0])
     rate = 2.0
@@ -367,7 +369,7 @@ def _floor() -> Probe:
 def _hanging_from_fixed() -> Probe:
     """A mass that hangs by a spring from a fixed body, which neither falls nor is pulled.
 
-    It swings along gravity about the stretch m g/k with w = sqrt(k/m).
+    It oscillates along gravity about the stretch m g/k with w = sqrt(k/m).
     """
     mass = 2.0
     rate = 4.0
@@ -401,7 +403,8 @@ def _hanging_from_fixed() -> Probe:
 def _resting_on_fixed() -> Probe:
     """A sphere that its weight holds on a fixed sphere, which neither falls nor is pushed.
 
-    It swings along gravity about the overlap m g/k with w = sqrt(k/m), less than it is deep.
+    It oscillates along gravity about the overlap m g/k with w = sqrt(k/m), with an amplitude below
+    that overlap.
     """
     mass = 2.0
     weight = 8.0

@@ -1,7 +1,7 @@
-"""The probe of a sphere whose tangential spring grips two walls in turn, and one of them again.
+"""The probe of a sphere with a tangential contact spring, which touches two walls alternately.
 
-A tangential spring is 0 at every touch: one that is kept from the contact before shows only where
-the same two meet again.
+A tangential spring has no stretch at the beginning of each contact. A program that keeps the
+stretch of an earlier contact shows it only when the same two bodies touch again.
 """
 
 import numpy as np
@@ -15,9 +15,11 @@ from refdem.smoke.probes import Expected, Probe
 Array = NDArray[np.float64]
 
 STIFFNESS = 200.0
-"""[N/m], normal: soft, since forward Euler adds pi w h/2 to a velocity in each contact."""
+"""Normal stiffness [N/m]. It is soft because forward Euler increases a velocity by the factor
+1 + pi w h/2 in each contact.
+"""
 TANGENTIAL_STIFFNESS = 16.0
-"""[N/m]; the spring is longest about where a contact ends."""
+"""Tangential stiffness [N/m], with which the stretch is largest near the end of a contact."""
 GRIP = 1e4
 """Coefficient of friction: the spring slips only in the last 1e-4 of a contact."""
 CONTACTS = 3

@@ -18,9 +18,11 @@ from refdem.smoke.probes import INTERVAL, Expected, Mistake, Probe
 Array = NDArray[np.float64]
 
 RESTITUTION = 0.7
-"""Its square, its root and one less it are far from it, from each other, and from 0 and 1."""
+"""Coefficient of restitution e: e, e^2, sqrt(e) and 1 - e differ clearly from one another and from
+0 and 1.
+"""
 IMPACT = 8.5 * INTERVAL
-"""Time [s] of the impact, half-way between two samples: one that is a step late changes none."""
+"""Time [s] of the impact, midway between two samples, so that a delay of one step changes none."""
 SPEED = 1.5
 """Closing speed [m/s] along the normal."""
 
@@ -175,7 +177,7 @@ def _wall() -> Probe:
 
 
 def _common_mistakes(met: Meeting) -> list[Mistake]:
-    """What an adapter may take wrongly of any impact."""
+    """Mistakes of an adapter that are possible in any impact."""
     as_other = {
         "1": 1.0,
         "0": 0.0,

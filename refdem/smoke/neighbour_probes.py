@@ -19,19 +19,21 @@ from refdem.smoke.probes import Expected, Probe
 Array = NDArray[np.float64]
 
 STIFFNESS = 800.0
-"""[N/m], of contacts: they last a tenth of a second or two."""
+"""Stiffness [N/m] of contacts, which last one or two tenths of a second."""
 AROUND = 5
-"""Spheres around one, with gaps between them."""
+"""Number of spheres around a central one, with gaps between them."""
 BETWEEN = 80
-"""Bodies listed between two that meet: more than the 64 bits of a word."""
+"""Number of bodies listed between two that meet: more than the 64 bits of a word."""
 PERIOD = 8.0
-"""[m], of the box in which pairs meet across its boundary."""
+"""Period [m] of the box in which pairs meet across its boundary."""
 SMALL_PERIOD = 2.5
-"""[m], of a box of less than three spheres: a pair of it may be found twice."""
+"""Period [m] of a box of less than three large diameters, in which a pair may be found twice."""
 ACROSS = (2.0, -3.0, 6.0)
-"""Along it spheres meet where all three axes cross the boundary; a face or an edge has a part."""
+"""Direction along which spheres meet across all three axes of the boundary; for a face or an edge
+its other components are 0.
+"""
 _CORNER = np.ones((1, 3))
-"""The axes that a pair crosses, a row a pair: all of them."""
+"""The axes across which each pair meets (one row per pair): all three, at a corner."""
 _EVERY_CROSSING = np.array([axes for axes in np.ndindex(2, 2, 2) if any(axes)], float)
 """Three faces, three edges and the corner."""
 

@@ -26,9 +26,9 @@ State = tuple[Array, Array, Array, Array]
 """Position, velocity, attitude and angular momentum about each centre, (N, 3 or 4), space axes."""
 
 LONGEST_STEP = 2.0**-6
-"""[s]. The motions of all probes but one are then right to UNCERTAINTY."""
+"""Longest step [s] with which the motions of all probes but one have errors within UNCERTAINTY."""
 SHORT_STEP = 2.0**-8
-"""[s]. The same for a spring whose ends pass close to each other."""
+"""Longest step [s] for a spring whose ends pass close to each other."""
 UNCERTAINTY = 5e-6
 """Bound on the error of the motions of probes, in units of their scales."""
 

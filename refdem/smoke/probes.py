@@ -1,7 +1,6 @@
-"""Small scenes whose motion has a formula: what `refdem smoke` asks an adapter, with the right
-answer.
+"""Small scenes whose motion has a closed form, with which `refdem smoke` tests an adapter.
 
-Each shows one thing that an adapter may convert wrongly: a unit, a sign, an axis, an order.
+Each detects one conversion that may be wrong: a unit, a sign, an axis, an order.
 """
 
 from collections.abc import Callable
@@ -43,11 +42,11 @@ class Mistake:
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Probe:
-    """A scene with the time [s] at its start, its motion by formula, and what of an adapter it
-    `shows`.
+    """A scene with the time [s] at its start, its motion in closed form, and what it `shows` of an
+    adapter.
 
     `expected(t)`, for the time t (T,) [s] since the start, has columns of a trajectory (T, N, ...),
-    channels (T,), or `omega_body` (T, N, 3), by name. `mistakes` are those that it can tell.
+    channels (T,), or `omega_body` (T, N, 3), by name. `mistakes` are those that it can identify.
     `uncertainty` bounds the error of `expected` itself, in units of the scales.
     """
 
@@ -240,14 +239,14 @@ ORDERS = ("xzy", "yxz", "zyx", "yzx", "zxy")
 
 
 def turning_mistakes(scene: Scene) -> tuple[Mistake, ...]:
-    """What turns a body wrongly: moments of inertia in another order, and a gyroscopic term that
-    is missing or has the other sign.
+    """Mistakes that rotate a body wrongly: moments of inertia in another order, and a gyroscopic
+    term that is missing or has the opposite sign.
     """
     bodies = scene.bodies
     orders: dict[bytes, list[str]] = {}
     for order in ORDERS:
         reordered = bodies.inertia[:, ["xyz".index(axis) for axis in order]]
-        # Orders that leave the moments as they are make no mistake, and equal ones make the same.
+        # An order that does not change the moments is no mistake; equal results are kept once.
         if not np.array_equal(reordered, bodies.inertia):
             orders.setdefault(reordered.tobytes(), []).append(order)
     mistakes = []
@@ -265,7 +264,7 @@ def turning_mistakes(scene: Scene) -> tuple[Mistake, ...]:
 
 def _turned(scene: Scene, gyroscopic: float, t: Array) -> Expected:
     """The columns of a motion with this factor of the gyroscopic term, and `omega_body`."""
-    # A step a sample is right to 1e-5 of the scale: enough to name a mistake.
+    # One step per sample has an error of 1e-5 of the scale, which suffices to identify a mistake.
     columns = motion(scene, t, gyroscopic=gyroscopic, longest_step=INTERVAL)
     columns["omega_body"] = rotated(conjugate(columns["attitude"]), columns["omega"])
     return columns

@@ -1,8 +1,8 @@
 """Probes of bodies that rotate away from the origin, move, and are held or pulled off their
 centres.
 
-At the origin and at rest a centre of mass that is displaced, a velocity of another point, axes of
-the body and axes of space all look alike.
+At the origin and at rest, a displaced centre of mass, the velocity of another point, and body axes
+in place of space axes would not be detected.
 """
 
 import numpy as np
@@ -28,7 +28,9 @@ TUMBLING = Body(
     attitude=(0.5, 0.5, -0.1, 0.7),
     omega=(1.25, -1.75, 2.0),
 )
-"""Nothing about it is round: three moments, all axes mixed, away from the origin, moving."""
+"""A general body: three different moments, an attitude and omega along no axis, away from the
+origin, moving.
+"""
 OTHER = Body(
     mass=5.0,
     inertia=(2.0, 3.5, 4.0),
@@ -37,7 +39,7 @@ OTHER = Body(
     attitude=(0.7, -0.1, 0.5, -0.5),
     omega=(-1.5, 1.0, 0.75),
 )
-"""Another, of which no number is that of TUMBLING."""
+"""Another general body, all of whose numbers differ from those of TUMBLING."""
 FLAT = Body(
     mass=2.0,
     inertia=(1.0, 1.0, 1.5),

@@ -1,4 +1,4 @@
-"""Discovery of batteries, and the selection of sweeps for the cases that were asked for."""
+"""Discovery of batteries, and the selection of sweeps for the requested cases."""
 
 from collections.abc import Sequence
 from dataclasses import replace
@@ -30,7 +30,7 @@ def battery(name: str) -> Battery:
 
 
 def batteries(asked: Sequence[str], cases: Sequence[Entry]) -> list[Battery]:
-    """The batteries asked for (none: all), with only the sweeps on the given cases (none: all).
+    """The requested batteries (none: all), with only the sweeps on the given cases (none: all).
 
     Raises UsageError if no sweep is left.
     """

@@ -42,8 +42,9 @@ Progress = Callable[[str, int, int], None]
 
 @dataclass(frozen=True, eq=False)
 class Attempt:
-    """One point of one method on one sweep: the instance to be run, and who runs it. `number`
-    counts points from 0.
+    """One point of one method on one sweep: the instance to be run, and the engine that runs it.
+
+    `number` counts points from 0.
     """
 
     battery: Battery

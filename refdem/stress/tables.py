@@ -117,7 +117,7 @@ def _holds_to(result: MethodSweep) -> str:
 
 
 def details(record: StressRecord, battery: str) -> list[Table]:
-    """The method sweeps of a battery, and who cannot run its sweeps."""
+    """The method sweeps of a battery, and the engines that cannot run its sweeps."""
     results = [result for result in record.results if result.battery == battery]
     sweeps = {result.sweep for result in results}
     refused = [(engine, sweep, why) for engine, sweep, why in record.refused if sweep in sweeps]

@@ -1,5 +1,5 @@
-"""Codes that move many spheres, for the cost of a step alone: one a file, each with a CROWD;
-nothing that they compute is judged.
+"""Codes that move many spheres, to compare the cost of a step: one per file, each with a CROWD.
+Their results are not judged.
 """
 
 from importlib import import_module

@@ -1,4 +1,4 @@
-"""A gas as the codes that move it are asked, and what each of them is."""
+"""A gas of many spheres, and the base class of the codes that move it."""
 
 from abc import ABC, abstractmethod
 from dataclasses import dataclass
@@ -63,7 +63,7 @@ class Gas:
 
 
 class Crowd(ABC):
-    """One code. `note` says what it moves if that is not the same gas, or what it leaves out."""
+    """One code. `note` describes its gas if that is not the same one, or what it leaves out."""
 
     name: str
     note: str = ""
@@ -71,7 +71,7 @@ class Crowd(ABC):
 
     @abstractmethod
     def missing(self) -> str | None:
-        """None if it can be run here, else what to install."""
+        """None if the code is installed, else what to install."""
 
     @abstractmethod
     def unsupported(self, gas: Gas) -> str | None:
@@ -79,4 +79,4 @@ class Crowd(ABC):
 
     @abstractmethod
     def seconds(self, gas: Gas, steps: int) -> float:
-        """Seconds that so many steps take in the code's own loop, from the start; set-up apart."""
+        """Seconds of `steps` steps in the code's own loop, from the start, without the set-up."""

@@ -11,7 +11,8 @@ from refdem.bench.crowds._crowd import Crowd, Gas
 from refdem.errors import EngineError
 
 SKIN = 0.5
-"""Diameters; measured: 0.3 to 0.7 cost the same within a tenth."""
+"""Skin of neighbour lists in diameters; 0.3 to 0.7 were measured to cost the same within a tenth.
+"""
 INPUT = """
 units si
 atom_style sphere
@@ -32,7 +33,7 @@ run {steps}
 
 
 class Lammps(Crowd):
-    """The time is that of its own loop, as it says."""
+    """LAMMPS; the time is that of its own loop, as it reports it."""
 
     name = "LAMMPS gran/hooke"
     note = "gran/hooke/history with friction; keeps no attitudes"
@@ -44,13 +45,13 @@ class Lammps(Crowd):
         return "install LAMMPS (Debian: lammps)"
 
     def unsupported(self, gas: Gas) -> str | None:
-        """None for a gas in a periodic box, else why it is not asked."""
+        """None for a gas in a periodic box, else why it cannot be moved."""
         if gas.periodic:
             return None
         return "asked for the periodic box alone"
 
     def seconds(self, gas: Gas, steps: int) -> float:
-        """Raises EngineError with the end of what LAMMPS says if it fails."""
+        """The seconds of its loop; raises EngineError with the end of its output if it fails."""
         law = gas.law
         if law.friction:
             style = "gran/hooke/history"

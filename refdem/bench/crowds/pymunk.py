@@ -1,5 +1,5 @@
-"""pymunk (Chipmunk): as many discs in a square, with the same part of it filled as spheres fill of
-the cube.
+"""pymunk (Chipmunk): as many discs in a square, with the same filled fraction as that of the
+spheres in the cube.
 """
 
 from importlib.util import find_spec
@@ -36,7 +36,8 @@ class Pymunk(Crowd):
 
         n = len(gas.position)
         radius = gas.diameter / 2
-        # The part of the cube that spheres fill, and the edge of a square of which discs fill it.
+        # The filled fraction n (pi/6) (d/L)^3 of the cube, and the edge of a square in which discs
+        # fill the same fraction.
         filled = n * np.pi / 6 * (gas.diameter / gas.size) ** 3
         side = int(np.ceil(np.sqrt(n)))
         edge = float(np.sqrt(n * np.pi * radius**2 / filled))
@@ -44,7 +45,7 @@ class Pymunk(Crowd):
         space.iterations = 1
         for k, velocity in enumerate(gas.velocity.tolist()):
             body = pymunk.Body(gas.mass, gas.mass * radius**2 / 2)
-            # In the middle of a field of a chessboard, row by row.
+            # At the centre of a cell of a square grid, row by row.
             x = (k % side + 0.5) * edge / side
             y = (k // side + 0.5) * edge / side
             body.position = (x, y)

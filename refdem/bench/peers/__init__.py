@@ -1,5 +1,5 @@
-"""Integrators for comparison alone: one a file, each with a PEER that is an engine; nothing but the
-bench finds them.
+"""Integrators for comparison only: one per file, each with a PEER that is an engine. Only the bench
+discovers them.
 """
 
 from importlib import import_module

@@ -27,7 +27,7 @@ or to the time `end`; the crossings of v = 0 on its way are pairs of time and pl
 Stick = Callable[[float, float, float, float], float]
 """stick(t, pull, end, frequency) -> t: the time at which the pull passes the limit, or `end`."""
 BEGIN = 1e-14
-"""The slip with which one begins [m/s]: a zero at its very start would be taken for its end."""
+"""Initial slip velocity [m/s]; a slip that starts at 0 would be taken for one that ends."""
 
 
 @dataclass(frozen=True)
@@ -166,7 +166,7 @@ def _stick_by_heyoka(belt: Belt, tolerance: float) -> Stick:
 
 def by_scipy(belt: Belt, tolerance: float) -> tuple[Slip, Stick]:
     """SciPy's slip and stick, DOP853 with its events; the right-hand side is in Python."""
-    # A relative tolerance below 2.3e-14 is one that DOP853 does not take.
+    # DOP853 accepts no relative tolerance below 2.3e-14.
     options = {"method": "DOP853", "rtol": max(tolerance, 2.3e-14), "atol": tolerance}
     return _slip_by_scipy(belt, options), _stick_by_scipy(belt, options)
 

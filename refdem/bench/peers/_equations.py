@@ -210,7 +210,7 @@ def _oscillator(scene: Scene) -> Equations | None:
 
     def rates(state: Sequence[Any], sine: Sine) -> list[Any]:
         x, v = state
-        # Terms that are 0 are left out: a peer would compute them.
+        # Terms with a coefficient of 0 are left out, because a peer would compute them.
         if square or cube:
             pull = x * (linear + x * (square + x * cube))
         else:

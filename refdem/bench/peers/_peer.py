@@ -1,4 +1,4 @@
-"""What the peers share: they run what `equations` can write, forward, at a tolerance."""
+"""The base class of peers: they integrate the systems of `equations`, forward, at a tolerance."""
 
 from importlib.metadata import version
 from importlib.util import find_spec
@@ -9,8 +9,8 @@ from refdem.core.problem import Motion, Problem
 from refdem.errors import UnsupportedError
 
 CARTESIAN = "-cartesian"
-"""Ends the name of a method that moves a rod's end in Cartesian coordinates, by its constraint
-force.
+"""Suffix of the name of a method that integrates a rod's end in Cartesian coordinates, with its
+constraint force.
 """
 
 

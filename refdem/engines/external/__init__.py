@@ -57,8 +57,9 @@ class External(ProgramEngine):
         return self.program.version() or f"files {self.fingerprint(self.methods[0])[:12]}"
 
     def version(self) -> str:
-        """What its version command prints, or part of the digest of its files, as they are when it
-        is asked for first: a run may change or delete them.
+        """The output of its version command, or part of the digest of its files.
+
+        It is computed once, at the first call, because a run may change or delete the files.
         """
         return self._version
 
@@ -115,13 +116,15 @@ def audited(line: AuditTable) -> Default:
 
 
 def longest(table: EngineTable) -> float:
-    """Seconds that a run may take. A program that stays alive is started for it, and once more for
-    two requests that are asked again, of it or of an earlier run.
+    """The longest time [s] that a run may take.
+
+    A program that stays alive may have to be started for the run. It is started again for two
+    repeated requests, those of this run and of an earlier one.
     """
     if not table.serve:
         return table.timeout
     request = table.warm_up + table.timeout
-    # Where bits differ, a third process says whether they do so in any two.
+    # If the answers differ, a third process shows whether any two processes differ.
     return 3 * table.start_timeout + 4 * request
 
 

@@ -1,4 +1,4 @@
-"""refdem.toml: what a program says of itself, its claims and its gate."""
+"""refdem.toml: the description of a program by its author, its claims and its gate."""
 
 from typing import Annotated, Any, Literal
 
@@ -18,7 +18,7 @@ Feature = Annotated[str, Meta(extra_json_schema={"enum": sorted(FEATURES)})]
 
 
 def said(words: str) -> Any:
-    """What `refdem schema toml` says of a field."""
+    """The description of a field in the output of `refdem schema toml`."""
     return Meta(description=words)
 
 
@@ -93,8 +93,10 @@ class MethodTable(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fiel
     ] = False
 
     def method(self, engine: "EngineTable") -> Method:
-        """The method as the checks know it; a staggered one cannot go on from its end state, and
-        mass properties have no step.
+        """The method as the checks use it.
+
+        A method with staggered velocities cannot continue from its end state, and mass properties
+        have no step.
         """
         fields = msgspec.structs.asdict(self)
         fields["conserves"] = frozenset(self.conserves)
@@ -197,8 +199,8 @@ class GateTable(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields
 
 
 class AuditTable(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """One setting of the program: what it comes with, what its driver sets, why, and the page or
-    the source that says what it comes with.
+    """One setting of the program: its default, the value that the driver sets, the reason, and the
+    page or source that documents the default.
     """
 
     setting: str

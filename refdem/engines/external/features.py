@@ -9,7 +9,7 @@ from refdem.scene.elements.contact import Contact
 SOLIDS = {"solid:hollow", "solid:turned", "solid:about"} | {
     f"solid:{shape.__struct_config__.tag}" for shape in get_args(SolidShape)
 }
-"""Of mass properties: shapes, and what is done with them."""
+"""Features of mass properties: shapes, and operations on them."""
 BODIES = (
     "rotation",
     "tumbling",
@@ -20,7 +20,7 @@ BODIES = (
     "shape:polyhedron",
 )
 DIMENSIONS = {"dimension:1", "dimension:2", "dimension:3"}
-"""Of motion; a program that names none of them runs in all."""
+"""Dimensions of the motion; a program that names none of them supports all."""
 FEATURES = {
     *BODIES,
     *DIMENSIONS,
@@ -90,7 +90,7 @@ IMPLIED = {
     "tumbling",
     "shape:sphere",
 }
-"""Features that come with others which a program names: a law, friction, a rod, rotation."""
+"""Features that are implied by others that a program names: a law, friction, a rod, rotation."""
 KEPT = {
     "energy": "the sum of kinetic and potential energy, where nothing dissipates or drives",
     "momentum": "the total momentum, where no force acts from outside",

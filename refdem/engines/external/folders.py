@@ -1,10 +1,10 @@
-"""The folders of runs: empty at their start, taken away at their end, whatever a program has left
-in them.
+"""The folders of runs: empty at the start of a run, deleted at its end with whatever a program has
+left in them.
 
-All that a process makes lie in one folder, which it holds by a lock, so that others see when it is
-gone; its supervisors (supervisor.py) take that folder away if it is killed. In it each engine has a
-home of its own, so that a program which moves or empties the folder above its own costs no other
-engine a run. What has been taken away all the same is made again.
+All folders that a process makes are in one folder, on which the process holds a lock, so that other
+processes see when it has ended. If it is killed, its supervisors (supervisor.py) delete that
+folder. Each engine has its own subfolder, its *home*, so that a program which moves or empties its
+parent folder does not disturb the runs of other engines. A home that was deleted is made again.
 """
 
 import atexit
@@ -21,15 +21,15 @@ from refdem.engines.external.supervisor import remove
 from refdem.errors import EngineError
 
 PREFIX = "refdem-runs-"
-"""Of the folder of a process that holds it."""
+"""Prefix of the folder of a process that holds its lock."""
 MAKING = "refdem-new-"
-"""Of one that is being made, which no process holds yet; the number of the process comes next."""
+"""Prefix of a folder that is being made and not yet locked, before the id of its process."""
 
 MOST_TRIES = 3
-"""Times that a run is begun where someone takes the homes of engines away meanwhile."""
+"""Number of attempts to begin a run while other programs delete the homes of engines."""
 _MAKING = threading.Lock()
 _HELD: list[Path] = []
-"""The folders that this process has made for itself; those before the last one were taken away."""
+"""The folders that this process has made for itself; all but the last one were deleted."""
 _HOMES: dict[str, Path] = {}
 """The homes of engines by their names."""
 
@@ -45,14 +45,14 @@ def run_folder(engine: str = "") -> Iterator[Path]:
 
 
 def made_in_home(engine: str) -> Path:
-    """A new folder in the home of an engine; raises EngineError where it is taken away each
-    time.
+    """A new folder in the home of an engine; raises EngineError if the home is deleted at every
+    attempt.
     """
     for _ in range(MOST_TRIES):
         try:
             return Path(tempfile.mkdtemp(dir=engine_home(engine)))
         except FileNotFoundError:
-            # Someone took the home away since it was looked for.
+            # The home was deleted since it was looked up.
             continue
     raise EngineError(
         f"the folder for temporary files, {tempfile.gettempdir()}, is cleared while refdem runs;"
@@ -71,7 +71,7 @@ def engine_home(engine: str) -> Path:
 
 
 def home() -> Path:
-    """The folder of this process; those of processes that are gone are taken away first."""
+    """The folder of this process; folders of processes that have ended are deleted first."""
     with _MAKING:
         if not _HELD or not is_there(_HELD[-1]):
             _HELD.append(_held())
@@ -88,8 +88,8 @@ def _held() -> Path:
     sweep()
     making = f"{MAKING}{os.getpid()}-"
     created = Path(tempfile.mkdtemp(prefix=making))
-    # The lock lasts as long as the process does; nobody takes the folder for a stale one before it
-    # has it.
+    # The lock lasts as long as the process. Until the folder is locked, its name keeps other
+    # processes from deleting it as stale.
     holding = os.open(created, os.O_RDONLY | os.O_CLOEXEC)
     fcntl.flock(holding, fcntl.LOCK_SH)
     held = created.rename(created.with_name(created.name.replace(making, PREFIX)))
@@ -98,7 +98,7 @@ def _held() -> Path:
 
 
 def sweep() -> None:
-    """Takes away the folders of processes that are gone."""
+    """Deletes the folders of processes that have ended."""
     for folder in Path(tempfile.gettempdir()).glob(f"{PREFIX}*"):
         with suppress(OSError):
             trying = os.open(folder, os.O_RDONLY | os.O_NOFOLLOW | os.O_DIRECTORY | os.O_CLOEXEC)
@@ -109,7 +109,7 @@ def sweep() -> None:
                 os.close(trying)
     for folder in Path(tempfile.gettempdir()).glob(f"{MAKING}*"):
         maker = folder.name.removeprefix(MAKING).partition("-")[0]
-        # A process that was killed here leaves its folder empty: rmdir takes no other.
+        # A process that was killed at this point leaves its folder empty: rmdir deletes no other.
         if is_gone(maker):
             with suppress(OSError):
                 folder.rmdir()

@@ -11,11 +11,11 @@ from refdem.core.store import default_path
 MOST_FOLDERS = 16
 """Failed runs that are kept, of all programs: the newest."""
 MOST_BYTES = 2**20
-"""Of each file its beginning is kept; request and trajectory of an ordinary run are shorter."""
+"""Bytes kept of each file, from its beginning; files of an ordinary run are shorter."""
 MOST_FILES = 32
 """Files of a failed run that are kept, in order of their names."""
 MOST_DIGITS = 30
-"""Of the number in a folder's name; a time [ns] has 19."""
+"""Digits of the number in a folder's name; a time [ns] has 19."""
 
 
 def kept(folder: Path, name: str) -> Path | None:
@@ -44,8 +44,9 @@ def kept(folder: Path, name: str) -> Path | None:
 
 
 def _beginning(path: Path) -> bytes | None:
-    """The first MOST_BYTES of a file; None where it cannot be read at once: a program that goes on
-    may hold it, or have put a pipe there.
+    """The first MOST_BYTES of a file; None if it cannot be read without waiting.
+
+    A program that still runs may have locked it, or have replaced it by a pipe.
     """
     try:
         descriptor = os.open(path, os.O_RDONLY | os.O_NONBLOCK | os.O_NOFOLLOW | os.O_CLOEXEC)
@@ -56,8 +57,8 @@ def _beginning(path: Path) -> bytes | None:
 
 
 def _next_stamp(home: Path) -> int:
-    """A number larger than that of every folder there: the time [ns], or where the clock stands or
-    has been put back, the one after the newest.
+    """A number larger than that of every folder there: the time [ns], or, if the clock was set back
+    or has not advanced, the number of the newest folder plus 1.
     """
     newest = 0
     with contextlib.suppress(OSError):

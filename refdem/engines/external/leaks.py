@@ -1,7 +1,7 @@
 """State that a program keeps from one request to the next.
 
-Some requests are asked again, in a fresh process and in another order, and the answers must agree
-to the bit.
+Some requests are repeated, in a fresh process and in another order, and the answers must be
+bitwise equal.
 """
 
 from dataclasses import dataclass
@@ -16,15 +16,16 @@ from refdem.core.trajectory import Trajectory
 Array = NDArray[np.float64]
 
 EVERY = 16
-"""One in so many requests is asked again: a start for each of them is a small part of all starts
-that are saved.
+"""One request in EVERY is repeated. Each repetition starts a process, which is a small part of the
+starts that a program saves by staying alive.
 """
 CHANGES = 4
-"""So many requests that come after one with another scene are asked again in any case: a program
-that keeps a mass or a velocity shows it there, not where the same scene comes at another step.
+"""Number of requests that are always repeated where the scene differs from that of the previous
+request. A program that keeps a mass or a velocity shows it there, but not where the same scene is
+requested with another step.
 """
 MOST_ROWS = 100_000
-"""Rows of an answer that is kept to be compared with a later one."""
+"""Most rows of an answer that is kept for comparison with a later one."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -37,10 +38,11 @@ class Answer:
 
 @dataclass(kw_only=True)
 class Sample:
-    """Which requests to one method of a program are asked again, in this process.
+    """The choice of requests to one method of a program that are repeated, in this process.
 
-    `earlier` is one that was answered before, with its answer: it is asked after the next that is
-    asked again, so that the two come in the other order. `leak` is what was found, if anything was.
+    `earlier` is a request that was answered before, with its answer. It is repeated after the next
+    repeated request, so that the two are asked in reverse order. `leak` describes the difference
+    that was found; it is empty if there was none.
     """
 
     changes: int = 0
@@ -49,8 +51,9 @@ class Sample:
     leak: str = ""
 
     def takes(self, request: Request, before: Request | None) -> bool:
-        """Whether a request that was asked after `before` is asked again; one that was the first of
-        its process was asked in a fresh one already.
+        """Whether a request that followed `before` in its process is repeated.
+
+        The first request of a process (`before` is None) was answered by a fresh one already.
         """
         if before is None:
             return False
@@ -62,7 +65,7 @@ class Sample:
         return is_first or int(request.key(), 16) % EVERY == 0
 
     def keep(self, request: Request, answer: Answer) -> None:
-        """Keeps a request, to be asked after the next that is asked again."""
+        """Keeps a request and its answer, to repeat it after the next repeated request."""
         if most_rows(request.problem) <= MOST_ROWS:
             self.earlier = request, answer
 
@@ -84,7 +87,7 @@ def difference(first: Answer, second: Answer) -> str:
 
 
 def _kind(answer: Answer) -> str:
-    """Whether it was a trajectory or a refusal."""
+    """The kind of an answer: a trajectory or a refusal."""
     if answer.trajectory is None:
         return f"it was not supported ({answer.refusal})"
     return "it was answered with a trajectory"
@@ -134,7 +137,7 @@ def _bits(values: Array) -> NDArray[np.int64]:
 
 
 def words(request: Request) -> str:
-    """A request as its author may recognise it: method, step and what the scene has."""
+    """A short description of a request for the author of the program: method, step and scene."""
     step = ""
     if request.step is not None:
         step = f", step {request.step:.6g} s"

@@ -1,8 +1,8 @@
-"""A program under limits: its time, its memory, the size of what it writes, and that nothing of it
-stays.
+"""A program under limits on its time, its memory and the size of its files; no process of it stays
+behind.
 
-Every thread that runs programs has a supervisor (supervisor.py), a small process that starts them
-one after another and ends what they leave, also when this process is killed.
+Every thread that runs programs has a supervisor (supervisor.py). This small process starts programs
+one after another and ends the processes that they leave, also if refdem itself is killed.
 """
 
 import contextlib
@@ -24,20 +24,20 @@ from refdem.engines.external.supervisor import ENDING, GOODBYE, descendants
 from refdem.errors import EngineError, HangError, UnsupportedError
 
 NOT_SUPPORTED = 77
-"""Exit status of a program that cannot run what it was asked; the protocol names it, as automake
-uses it for a test that was skipped.
+"""Exit status of a program that does not support a request. The protocol defines it; automake uses
+the same status for a skipped test.
 """
 GIGABYTE = 10**9
 """Bytes of a gigabyte, decimal as in the limits that engine.toml sets."""
 SHARE = 0.9
-"""Part of the machine's memory that a process of a program may take unless its author says more."""
+"""Fraction of the machine's memory that a process of a program may use by default."""
 CONTROL_GROUPS = ("/sys/fs/cgroup/memory.max", "/sys/fs/cgroup/memory/memory.limit_in_bytes")
 """Where Linux keeps the limit of a container: control groups version 2, and 1."""
 MAX_OUTPUT = 300
-"""Characters of what a program said that an error or a refusal shows."""
+"""Characters of a program's output that an error or a refusal shows."""
 HELD_UP = 2 * ENDING
-"""Seconds after the limits of a run within which its supervisor answers, on any machine: it ends
-what the program left, and before that perhaps a program that stayed alive.
+"""Seconds within which a supervisor answers after the time limit of a run, on any machine. Until
+then it ends the processes that the program left, and possibly a program that stayed alive.
 """
 LONGEST_WAIT = 2e6
 """Seconds for which a socket can wait, at most: poll(2) counts milliseconds in 31 bits."""
@@ -73,8 +73,8 @@ class Ended:
 
 
 def most_memory() -> int:
-    """Bytes that a process of a program may take where its author says nothing: a share of what the
-    machine, or the container that refdem runs in, has.
+    """Bytes that a process of a program may use by default: a fraction of the memory of the machine
+    or of the container in which refdem runs.
     """
     limits = [os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES")]
     for place in CONTROL_GROUPS:
@@ -97,8 +97,8 @@ class Supervised:
         self.said = self.socket.makefile("rb")
 
     def ended(self, request: dict[str, Any], out: BinaryIO, err: BinaryIO) -> Ended:
-        """Runs what is asked for; raises EngineError if it cannot be started or if the supervisor
-        itself was ended.
+        """Runs the requested program; raises EngineError if it cannot be started or if the
+        supervisor itself was killed.
         """
         answer = self.answer(request, [out.fileno(), err.fileno()])
         if "memory" in answer:
@@ -110,11 +110,11 @@ class Supervised:
         return Ended(answer["status"], answer["seconds"], answer["left"])
 
     def answer(self, request: dict[str, Any], descriptors: list[int]) -> dict[str, Any]:
-        """What it answers to a request; raises EngineError if it was ended itself, or if it does
-        not answer in time: a program may stop it by a signal.
+        """The supervisor's answer to a request.
 
-        A wait that an exception interrupts, as Ctrl-C does, ends the supervisor: the answer still
-        to come would be taken for that to the next request.
+        Raises EngineError if the supervisor was killed, or does not answer in time because a
+        program stopped it by a signal. If an exception such as Ctrl-C interrupts the wait, the
+        supervisor is ended. Otherwise its late answer would be taken for that to the next request.
         """
         line = b""
         limits = sum(request.get(limit, 0.0) for limit in ("ready", "warm", "timeout"))
@@ -150,7 +150,7 @@ class Supervised:
         self.stop()
         self.said.close()
         self.socket.close()
-        # One that was stopped by a signal goes on, and ends what it runs.
+        # A supervisor that was stopped by a signal continues, and ends the programs that it runs.
         self.process.send_signal(signal.SIGCONT)
         try:
             self.process.wait(ENDING)
@@ -200,10 +200,9 @@ def ended(command: list[str], folder: Path, *, name: str, limits: Limits) -> flo
     Returns the seconds that it took. Raises UnsupportedError for exit status 77, EngineError if it
     cannot start, does not end in time, ends with another status, or leaves processes behind.
     """
-    # What it said is read from the descriptor: in its folder a program may put anything at that
-    # name.
+    # The output is read through the open descriptor, because a program may replace the file.
     with made(folder / "stdout.txt") as out, made(folder / "stderr.txt") as err:
-        # A program that empties the folder for temporary files empties the home of its engine.
+        # A program that empties TMPDIR then empties only the home of its own engine.
         exit = run(command, folder, out, err, limits, {"TMPDIR": str(folder.parent)})
         says = _last_lines(err)
     if exit.status is None:
@@ -227,7 +226,7 @@ def ended(command: list[str], folder: Path, *, name: str, limits: Limits) -> flo
 
 
 def too_much_memory(request: dict[str, Any], taken: int) -> EngineError:
-    """The error of a program that took so many bytes."""
+    """The error of a program of which a process used `taken` bytes of memory."""
     most = request["memory"] / GIGABYTE
     return EngineError(
         f"{request['command'][0]} took {taken / GIGABYTE:.3g} GB of memory and was ended; expected"
@@ -254,7 +253,9 @@ def status_words(status: int) -> str:
 
 
 def _last_lines(file: BinaryIO) -> list[str]:
-    """The lines at the end of what the program said, MAX_OUTPUT characters of them at least."""
+    """The last lines of the program's output, at least MAX_OUTPUT characters where there are so
+    many.
+    """
     # The first character may be cut, and so is no part of these; a line end follows the last one.
     most = LONGEST_CHARACTER * (MAX_OUTPUT + 1)
     size = os.fstat(file.fileno()).st_size

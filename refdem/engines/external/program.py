@@ -33,13 +33,14 @@ FILES = {
     "sensitivities": "sensitivities.csv",
 }
 KEPT = " (request and output are kept in"
-"""What follows the failure in an error, with the folder."""
+"""The end of an error's message, which names the folder with the files of the failed run."""
 ROW = 1024
 """Bytes that a row of the CSV file may take; 15 numbers and 5 channels of 17 digits take 500."""
 SPARE = 2**26
-"""Bytes that a program may write into one file however few rows are asked for: it may talk."""
+"""Bytes that a program may always write into one file, for messages, however few rows are needed.
+"""
 VERSION_LIMITS = Limits(timeout=10.0, file_bytes=2**26, memory=2**32)
-"""Of a command that says a version; a program of MPI maps files of megabytes when it starts."""
+"""Limits of a version command; an MPI program maps files of several megabytes when it starts."""
 
 
 class Program:
@@ -66,8 +67,8 @@ class Program:
         return sorted({path.resolve() for path in [*named, *matched] if path.is_file()})
 
     def _matched(self, pattern: str) -> list[Path]:
-        """The files that one of `inputs` matches; a fingerprint without them would call a changed
-        program unchanged.
+        """The files that a pattern in `inputs` matches; they are part of the fingerprint, so that a
+        changed file counts as a changed program.
         """
         matches = [path for path in self.home.glob(pattern) if path.is_file()]
         if not matches:
@@ -94,8 +95,9 @@ class Program:
         return ""
 
     def stages(self, request: Request) -> Stages[tuple[Trajectory, Cost]]:
-        """One run, which is made again where its request was taken away meanwhile: who did that may
-        be another program.
+        """One run, which is repeated if the files of its request were deleted meanwhile.
+
+        Another program may have deleted them.
         """
         failure = EngineError(f"{self.table.name} was not run")
         for _ in range(MOST_TRIES):
@@ -137,8 +139,8 @@ class Program:
         return trajectory, Cost(seconds=seconds, steps=steps_of(request))
 
     def memory(self) -> int:
-        """The largest memory [bytes] that a process of a run may take: what the author of the
-        program states, else most of what the machine has.
+        """The memory limit [bytes] of each process of a run: that of the refdem.toml if it states
+        one, else most of the machine's memory.
         """
         if self.table.memory is None:
             return most_memory()
@@ -184,6 +186,6 @@ def steps_of(request: Request) -> int:
 
 
 def _beginning(file: BinaryIO) -> str:
-    """The first text that a command said."""
+    """The beginning of a command's output."""
     file.seek(0)
     return file.read(4096).decode(errors="replace").strip()

@@ -1,4 +1,4 @@
-"""Reading a refdem.toml, and what its fields may say beyond their types."""
+"""Reading a refdem.toml, and validation of its fields beyond their types."""
 
 import difflib
 import math
@@ -15,11 +15,12 @@ from refdem.errors import UsageError
 YEAR = 366 * 86400.0
 """Seconds."""
 LEAST_MEMORY = 0.001
-"""Gigabytes that a limit may name at least: a program cannot start in less than a megabyte."""
+"""Smallest memory limit [GB]: a program cannot start in less than a megabyte."""
 MOST_MEMORY = 1e6
-"""Gigabytes that a limit may name."""
+"""Largest memory limit [GB]."""
 MOST_LEVELS = 10
-"""Levels that a gate may ask for: ten halvings make the finest run 1000 times as long as the first.
+"""Most refinement levels of a gate: ten halvings make the finest run 1000 times as long as the
+first.
 """
 PLACEHOLDERS = (
     "request",
@@ -35,7 +36,7 @@ NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9._+-]{0,63}")
 
 
 Fault = tuple[str, object, str]
-"""The name of a field, what came, and what was expected."""
+"""The name of a field, its value, and what was expected."""
 
 
 def read(path: Path) -> Description:
@@ -47,7 +48,7 @@ def read(path: Path) -> Description:
 
 
 def nonsense(engine: EngineTable, gate: GateTable) -> Iterator[Fault]:
-    """What is well typed and makes no sense."""
+    """Fields of the right type whose values are invalid."""
     yield from _of_command(engine)
     yield from _of_methods(engine)
     yield from _of_support(engine)
@@ -56,7 +57,7 @@ def nonsense(engine: EngineTable, gate: GateTable) -> Iterator[Fault]:
 
 
 def _of_command(engine: EngineTable) -> Iterator[Fault]:
-    """The name of the engine, what starts it, and the files that it is made of."""
+    """Faults in the name of the engine, its commands, and the files that belong to it."""
     if not NAME.fullmatch(engine.name):
         yield "engine.name", engine.name, "letters, digits, dots, dashes"
     if not engine.command or not engine.command[0]:
@@ -77,7 +78,7 @@ def _of_command(engine: EngineTable) -> Iterator[Fault]:
 
 
 def _of_methods(engine: EngineTable) -> Iterator[Fault]:
-    """The names of the methods, and what each of them claims."""
+    """Faults in the names of the methods and in their claims."""
     names = [method.name for method in engine.methods]
     if not names or len(set(names)) < len(names):
         yield "engine.methods", names, "at least one [[engine.methods]], each name once"
@@ -88,7 +89,7 @@ def _of_methods(engine: EngineTable) -> Iterator[Fault]:
 
 
 def _of_claims(method: MethodTable) -> Iterator[Fault]:
-    """The order of one method and its constant."""
+    """Faults in the order of one method and in its error constant."""
     orders = [method.order, *method.order_with.values()]
     has_order = method.control == "step" and method.answers != "solid"
     if has_order and not all(1 <= order <= 20 for order in orders):
@@ -101,7 +102,7 @@ def _of_claims(method: MethodTable) -> Iterator[Fault]:
 
 
 def _of_support(engine: EngineTable) -> Iterator[Fault]:
-    """The features that the program says it supports."""
+    """Faults in the features that the program supports."""
     named = set(engine.supports)
     for method in engine.methods:
         named.update(method.order_with)
@@ -152,7 +153,7 @@ def is_pattern_below(pattern: str) -> bool:
 
 
 def is_slip(name: str) -> bool:
-    """Whether a word in braces is not known and looks like one that is; other words in braces are
-    the program's own.
+    """Whether a word in braces is probably a misspelt placeholder; other unknown words in braces
+    are passed to the program as they are.
     """
     return name not in PLACEHOLDERS and bool(difflib.get_close_matches(name, PLACEHOLDERS, 1, 0.5))

@@ -1,5 +1,7 @@
-"""A program that stays alive (`serve = true`) as an engine runs it: a folder a request, and some
-requests asked again, in a fresh process and in another order, for state that it keeps.
+"""A program that stays alive (`serve = true`) as an engine: each request has its own folder.
+
+Some requests are repeated, in a fresh process and in another order, to detect state that the
+program keeps between requests.
 """
 
 import os
@@ -20,24 +22,24 @@ from refdem.engines.external.serving import Asked, Exchange, Identity, Reply, Se
 from refdem.errors import EngineError, LeakError, UnsupportedError
 
 BEFORE = "request-before.json"
-"""Beside what a failed run left: the other request that changes the answer to it."""
+"""Beside the files of a failed run: the other request, which changes the answer to this one."""
 KEEPS = "keeps state from one request to the next"
 ADVICE = "Reset all state at each request, or remove `serve`"
 _SAMPLES: defaultdict[tuple[Identity, str], Sample] = defaultdict(Sample)
-"""Of each program that stays alive and each of its methods, in this process."""
+"""The samples of each method of each program that stays alive, in this process."""
 
 
 class ServedProgram(Program):
     """The program of an engine table with `serve = true`."""
 
     def _stages(self, request: Request, folder: Path) -> Stages[tuple[Trajectory, Cost]]:
-        """Yields the exchange with the program that stays alive, and reads its answer; asks some
-        requests again.
+        """Yields the exchange with the program that stays alive, and reads its answer; repeats some
+        requests.
         """
         identity = self._identity()
         sample = _SAMPLES[identity, request.method]
         if sample.leak:
-            # Answers that depend on what came before would be judged as if they were its own.
+            # Its answers depend on earlier requests, so that no further one can be judged.
             raise LeakError(f"{sample.leak}; nothing more was asked of this method")
         asked = self._asked(request, folder)
         exchange = Exchange(self.table.name, self._command(), identity, [asked])
@@ -62,7 +64,7 @@ class ServedProgram(Program):
     def _asked_again(
         self, asked: Asked, answer: Answer, reply: Reply, sample: Sample
     ) -> Stages[None]:
-        """Asks the request of a fresh process, and then an earlier one, which so comes after it.
+        """Repeats the request in a fresh process, and then an earlier one, in reverse order.
 
         Raises EngineError if either answer differs from the one that was given before.
         """
@@ -140,7 +142,7 @@ class ServedProgram(Program):
         return [self.placed(word) for word in self.table.command]
 
     def _identity(self) -> Identity:
-        """What changes when the program does: a process of the old one is then not asked."""
+        """The state of the program; if it changes, a process of the old one is not used again."""
         stats: list[object] = []
         for path in [self.description, *self.files()]:
             with suppress(OSError):

@@ -1,12 +1,13 @@
-"""Programs that stay alive (`serve = true`): each thread that asks has its own, which answers one
-request after another; one that hangs or crashes costs its request, and the next starts another.
+"""Programs that stay alive (`serve = true`): each thread has its own process of a program, which
+answers one request after another. If it hangs or crashes, only that request fails, and the next
+request starts a new process.
 
-What goes to such a program and what comes back are lines of JSON:
+Requests to such a program and its answers are lines of JSON:
 
-    {"ready": true}                                          comes first, when it has started
-    {"id": "1", "request": "/.../request.json", ...}         goes to it, with the paths of files
-    {"id": "1", "warm": true}                                may come: what was compiled is compiled
-    {"id": "1", "done": true}                                comes, or `unsupported`, or `failed`
+    {"ready": true}                                      from it, once, when it has started
+    {"id": "1", "request": "/.../request.json", ...}     to it, with the paths of files
+    {"id": "1", "warm": true}                            from it, optional: compilation has ended
+    {"id": "1", "done": true}                            from it, or `unsupported`, or `failed`
 """
 
 import atexit
@@ -41,28 +42,28 @@ ADVICE = (
     " libraries print there too (docs/programs.md, A program that stays alive)"
 )
 MOST_SERVED = 8
-"""Programs that stay alive for one thread: in a campaign of more, those that were asked last."""
+"""Most programs that one thread keeps alive, those that it used last."""
 NOT_AGAIN = "; it was not started again"
-"""What follows the failure of the last start in the errors of later requests."""
+"""Text after the failure of the last start, in the errors of later requests."""
 MOST_STARTS = 2
-"""Starts of a program that may fail before it is not started again."""
+"""Number of failed starts after which a program is not started again."""
 SHOWN = 120
-"""Characters of a program's line that an error shows."""
+"""Most characters of a line of a program that an error shows."""
 _LOCAL = threading.local()
 _ALIVE: "weakref.WeakSet[Served]" = weakref.WeakSet()
-"""Those of all threads."""
+"""The processes of all threads."""
 _FAILED_STARTS: dict["Identity", list[EngineError]] = {}
 
 Identity = tuple[object, ...]
-"""What tells one state of a program from another: its command, its files and when they changed."""
+"""The state of a program: its command, its files and their modification times."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class ServedLimits(Limits):
     """The limits of a request to a program that stays alive.
 
-    Beside those of a run: seconds until a program that starts is ready, and seconds that a request
-    may take more where the program says that it has warmed up for it.
+    In addition to those of a run: `start_timeout` [s] until a started program is ready, and
+    `warm_up` [s] that a request may take in addition if the program reports that it has warmed up.
     """
 
     start_timeout: float
@@ -78,14 +79,17 @@ class Asked:
     limits: ServedLimits
 
     def line(self, number: str) -> str:
-        """What a program that stays alive reads, without the end of the line."""
+        """The line that the program reads, without its newline."""
         return line_of(number, self.request.method, {n: str(p) for n, p in self.paths.items()})
 
 
 @dataclass(frozen=True, kw_only=True)
 class Reply:
-    """The answer to a request: `done` or `unsupported`, the reason, seconds of stepping and of
-    set-up, what the program said on standard error, and the request that it had answered `before`.
+    """The answer to a request.
+
+    `answer` is `done` or `unsupported`, with a `reason`; `seconds` are those of stepping and
+    `setup` those of set-up; `said` is the program's standard error; `before` is the request that
+    the same process had answered before, if any.
     """
 
     answer: str
@@ -127,7 +131,7 @@ class Served:
 
     @property
     def is_there(self) -> bool:
-        """Whether its supervisor is."""
+        """Whether its supervisor runs."""
         return self.supervised.process.poll() is None
 
     def reply(self, asked: Asked) -> Reply:
@@ -136,7 +140,7 @@ class Served:
         number = str(self.count)
         limits = asked.limits
         if not is_there(self.folder):
-            # A program that was ended may have taken it away; the next begins in another.
+            # An earlier process may have deleted the folder; the next one gets a new folder.
             self.folder = made_in_home(self.name)
         message = {
             "command": self.command,
@@ -168,7 +172,7 @@ class Served:
         )
 
     def _error(self, said: dict[str, Any], message: dict[str, Any]) -> EngineError:
-        """The error that says how the program did not answer."""
+        """The error for a request that the program did not answer properly."""
         if said["fault"] == "memory":
             return too_much_memory(message, said["taken"])
         sentence = f"{self.name} {_FAULTS[said['fault']](said, message)}"
@@ -197,14 +201,14 @@ class NotStartedError(EngineError):
 
 
 def _half(said: dict[str, Any]) -> str:
-    """What the program had said of a line that it did not end."""
+    """The unfinished last line of the program's output."""
     if not said["half"]:
         return ""
     return f", after half a line {one_line(said['half'], SHOWN)!r}"
 
 
 def _ended(said: dict[str, Any], _: dict[str, Any]) -> str:
-    """How a program ended that was to stay."""
+    """The words for a program that ended instead of staying alive."""
     words = f"ended with {status_words(said['status'])}"
     half = _half(said)
     if said["phase"] == "start":
@@ -218,7 +222,7 @@ def _ended(said: dict[str, Any], _: dict[str, Any]) -> str:
 
 
 def _hung(said: dict[str, Any], message: dict[str, Any]) -> str:
-    """What the program took too long for."""
+    """The words for a program that exceeded a time limit."""
     if said["phase"] == "start":
         return (
             f"was not ready after {message['ready']:g} s and was ended; expected the line {READY}"
@@ -229,7 +233,7 @@ def _hung(said: dict[str, Any], message: dict[str, Any]) -> str:
 
 
 def _stray(said: dict[str, Any], message: dict[str, Any]) -> str:
-    """What a program wrote that is no answer."""
+    """The words for a line that is no answer."""
     expected = f'{{"id": "{message["id"]}", "done": true}}, `unsupported` or `failed`'
     when = "as the answer to a request"
     if said["phase"] == "start":
@@ -242,7 +246,7 @@ def _stray(said: dict[str, Any], message: dict[str, Any]) -> str:
 
 
 def _other(said: dict[str, Any], message: dict[str, Any]) -> str:
-    """The answer to something else."""
+    """The words for an answer with the id of another request."""
     return (
         f"wrote {one_line(said['line'], SHOWN)!r} as the answer to request {message['id']!r};"
         " expected the id of the request, each answered before the next is read"
@@ -269,14 +273,14 @@ _FAULTS: dict[str, Callable[[dict[str, Any], dict[str, Any]], str]] = {
         "does not read its standard input; expected one line read for each request"
     ),
 }
-"""The words for every way in which a program does not answer."""
+"""The words for each kind of fault of a program that stays alive."""
 
 
 class Exchange:
     """Requests to a program that stays alive, one after another, and the replies.
 
-    They go to the program of the thread that waits for it (`made`), or to a `fresh` one, which ends
-    then.
+    They go to the program of the thread that calls `made`, or to a `fresh` one, which is ended
+    afterwards.
     """
 
     def __init__(
@@ -288,7 +292,7 @@ class Exchange:
         *,
         is_fresh: bool = False,
     ) -> None:
-        """`identity` tells whether a program that runs is still the one that is meant."""
+        """Prepares the exchange; a running process is used only if its `identity` is the same."""
         self.name = name
         self.command = command
         self.identity = (is_fresh, *identity)
@@ -337,10 +341,10 @@ class Exchange:
 
 
 class OfThread:
-    """The programs of one thread, in the order in which they were asked last; they end with it.
+    """The programs of one thread, in the order of their last use; they are ended with the thread.
 
-    Only the thread has this object, while a program may be in the traceback of an error that lives
-    on.
+    Only the thread refers to this object, so that it is deleted with the thread. A program itself
+    may be referred to by the traceback of an error that is kept longer.
     """
 
     def __init__(self) -> None:
@@ -353,8 +357,10 @@ class OfThread:
 
 @cache
 def _end_all_at_exit() -> None:
-    """Programs that stay alive end with this process; called once the folder of their folders is
-    there, so that they end before it is taken away.
+    """Registers that programs that stay alive are ended when this process exits.
+
+    It is called after the folder of all runs is made, so that they end before it is deleted
+    (functions registered with atexit run in reverse order).
     """
     atexit.register(end_served)
 

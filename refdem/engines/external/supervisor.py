@@ -1,15 +1,17 @@
-"""Runs programs one after another for the process that started it, and ends all that they start.
+"""Runs programs one after another for the process that started it, and ends every process that
+they start.
 
-A script with the standard library alone, started by process.py as `python -I -S supervisor.py
-FOLDER PROCESS`. Its standard input is a socket: a line of JSON with the descriptors of the
-program's output comes in, a line of JSON goes out. It adopts orphans (PR_SET_CHILD_SUBREAPER), so
-that every process that a program has started, in whatever session, is a descendant of it; and when
-the socket is closed, because refdem has ended in whatever way, it ends them and itself. It is two
-processes: one serves, the other ends what is left where a program has killed the one that serves.
-The folder is that of all runs of the process, which it takes away if that process was killed.
+This script needs only the standard library. process.py starts it as `python -I -S supervisor.py
+FOLDER PROCESS`. Its standard input is a socket: a request is a line of JSON with the descriptors of
+the program's output, and the answer is a line of JSON. It adopts orphans (PR_SET_CHILD_SUBREAPER),
+so that every process that a program has started, in any session, is its descendant. The socket is
+closed when refdem ends for any reason; then the supervisor ends all descendants and itself. It
+consists of two processes: one serves requests, the other ends the remaining processes if a program
+has killed the first one. FOLDER holds all runs of the process PROCESS; it is deleted if that
+process was killed.
 
-A program may also stay alive (class Service): what comes in is then a line for it, and what goes
-out is the line with which it answered, or how it failed to.
+A program may also stay alive (class Service). A request is then a line for that program, and the
+answer is the line that it wrote, or the kind of its failure.
 """
 
 import contextlib
@@ -35,18 +37,18 @@ PR_SET_PDEATHSIG = 1
 PR_SET_CHILD_SUBREAPER = 36
 """Operation of prctl(2), from <sys/prctl.h>: orphans among the descendants become children."""
 GRACE = 1.0
-"""Seconds in which what a program has started may end after it."""
+"""Seconds within which the child processes of a program may end after it."""
 ENDING = 60.0
-"""Seconds that the end of a killed process may take."""
+"""Seconds within which a killed process ends."""
 PAUSE = 0.01
-"""Seconds between looks at processes that are ending."""
+"""Seconds between checks of processes that are ending."""
 LOOK = 0.1
-"""Seconds between looks at the memory of a program: at 2 GB/s it takes 0.2 GB between two."""
+"""Seconds between checks of a program's memory: at 2 GB/s it allocates 0.2 GB between two."""
 MEMORY = (b"RssAnon:", b"RssShmem:", b"VmSwap:")
-"""Lines of /proc/PID/status, see proc(5), whose sum is the memory that a program has taken."""
+"""Lines of /proc/PID/status, see proc(5), whose sum is the memory that a program uses."""
 GOODBYE = b"end"
-"""What comes over the socket where refdem goes on without this process; nothing comes where refdem
-itself was killed.
+"""The message over the socket if refdem continues without this process. If refdem itself was
+killed, the socket closes without it.
 """
 STREAMS = 3
 """Standard input, output and error."""
@@ -55,26 +57,27 @@ DISMISSED = 0
 ABANDONED = 3
 """Exit status of the process that serves, when refdem is gone."""
 MOST_ASKED = 2**20
-"""Bytes of a line that asks for a run."""
+"""Most bytes of a line that requests a run."""
 MOST_LINE = 2**16
-"""Bytes of a line with which a program that stays alive answers; a reason takes some hundred."""
+"""Most bytes of an answer of a program that stays alive; a reason takes some hundred."""
 MOST_MESSAGES = 2**26
-"""Bytes of messages that a program that stays alive may write during one request."""
+"""Most bytes of messages that a program that stays alive may write during one request."""
 LAST_MESSAGES = 2**12
-"""Bytes of them that are kept, the last ones."""
+"""Bytes of these messages that are kept, the last ones."""
 MOST_READ = 2**16
 """Bytes that are read from a pipe at once: as many as a pipe holds."""
 MOST_DRAINED = 64
-"""Reads of a pipe whose program is thought to be silent."""
+"""Most reads of a pipe whose program is expected to write nothing more."""
 SHOWN = 500
-"""Characters of a line that an answer about it has."""
+"""Most characters of a program's line that an answer quotes."""
 ANSWERS = ("done", "unsupported", "failed")
 """The answers to a request; an answer has one of these words."""
 
 
 def answer_of(line: dict[str, Any]) -> str | None:
-    """The word of ANSWERS with which a line answers a request; None of a line that does not: done
-    is true, and a refusal or a failure says why.
+    """The word of ANSWERS with which a line answers a request; None if the line is no answer.
+
+    The value of `done` must be true, and that of `unsupported` or `failed` a text with the reason.
     """
     words = [word for word in ANSWERS if word in line]
     if "id" not in line or len(words) != 1:
@@ -90,11 +93,11 @@ def answer_of(line: dict[str, Any]) -> str | None:
 
 
 class AbandonedError(Exception):
-    """Nobody waits for the run any more."""
+    """The process that requested the run no longer waits for it."""
 
 
 class TooMuchMemoryError(Exception):
-    """A process of the run has taken more memory than it may."""
+    """A process of the run has exceeded its memory limit."""
 
     def __init__(self, taken: int) -> None:
         super().__init__(taken)
@@ -102,7 +105,7 @@ class TooMuchMemoryError(Exception):
 
 
 class FaultError(Exception):
-    """A program that stays alive has not answered as it should; `said` tells refdem how."""
+    """A program that stays alive violated the protocol; `said` has the details for refdem."""
 
     def __init__(self, fault: str, **said: Any) -> None:
         super().__init__(fault)
@@ -110,9 +113,9 @@ class FaultError(Exception):
 
 
 class Service:
-    """A program that stays alive: its process, the pipes to and from it, and what came out.
+    """A program that stays alive: its process, the pipes to and from it, and its output so far.
 
-    `phase` is what it does: it starts, works on a request, or rests (`idle`).
+    `phase` is its state: it starts, works on a request, or is `idle`.
     """
 
     def __init__(self, request: "dict[str, Any]") -> None:
@@ -146,7 +149,7 @@ class Service:
         self.asking = self.answering = self.telling = -1
 
     def hang_up(self) -> None:
-        """Closes its standard input: it is to end."""
+        """Closes its standard input, which requests it to end."""
         os.close(self.asking)
         self.asking = -1
 
@@ -157,17 +160,18 @@ class Service:
         except BlockingIOError:
             raise FaultError("deaf") from None
         except BrokenPipeError:
-            # It has ended, which is seen by who waits for a line, or has closed its standard input.
+            # Either it has ended, which the wait for its next line detects, or it has closed its
+            # standard input.
             self.is_deaf = True
 
     def begin(self, phase: str) -> None:
-        """Notes that it does something else now; messages that follow are about that."""
+        """Starts a new phase; later messages on standard error belong to it."""
         self.phase = phase
         self.messages = b""
         self.told = 0
 
     def line(self) -> "bytes | None":
-        """The next whole line that came out, if there is one."""
+        """The next complete line of its output, if there is one."""
         line, end, rest = self.text.partition(b"\n")
         if not end:
             return None
@@ -175,7 +179,7 @@ class Service:
         return line
 
     def read(self) -> None:
-        """Takes in what has come out since; raises FaultError for too much of it."""
+        """Reads the output since the last call; raises FaultError if it is too long."""
         if self.answering in self.open:
             part = self.part(self.answering)
             self.text += part
@@ -189,7 +193,7 @@ class Service:
                 raise FaultError("flood", most=MOST_MESSAGES)
 
     def part(self, pipe: int) -> bytes:
-        """What a pipe holds; one that has ended is noted."""
+        """The content of a pipe; the end of the pipe is recorded."""
         try:
             part = os.read(pipe, MOST_READ)
         except BlockingIOError:
@@ -199,8 +203,9 @@ class Service:
         return part
 
     def drain(self) -> None:
-        """Takes in what is there, of a program that writes no more: what writes without end is left
-        alone after MOST_DRAINED looks.
+        """Reads the remaining output of a program that is expected to write nothing more.
+
+        It stops after MOST_DRAINED reads, as a program may write without end.
         """
         for _ in range(MOST_DRAINED):
             before = self.told, len(self.text)
@@ -210,7 +215,7 @@ class Service:
 
     @property
     def silence(self) -> str:
-        """Why no line comes: it cannot say one any more, does not hear that it should, or hangs."""
+        """Why no line is read: its output is closed, it does not read its input, or it hangs."""
         if self.answering not in self.open:
             return "closed"
         if self.is_deaf:
@@ -218,8 +223,9 @@ class Service:
         return "hang"
 
     def refuse_memory(self, most: int) -> None:
-        """Raises FaultError if a process of the program has taken more than `most` bytes; looks
-        again a while after the last look, whichever request that belonged to.
+        """Raises FaultError if a process of the program uses more than `most` bytes.
+
+        The memory is checked at a fixed interval, also across requests.
         """
         if time.monotonic() < self.look:
             return
@@ -264,7 +270,7 @@ class Supervisor:
             try:
                 self.asked.sendall(json.dumps(answer).encode() + b"\n")
             except OSError:
-                # Nobody waits for the answer any more; why was said before.
+                # refdem no longer waits for the answer; it may have sent GOODBYE before.
                 self.is_dismissed = self.asked.recv(len(GOODBYE)) == GOODBYE
                 raise
 
@@ -320,7 +326,8 @@ class Supervisor:
             if asked in ready:
                 self.is_dismissed = self.asked.recv(len(GOODBYE)) == GOODBYE
                 raise AbandonedError
-            # Not only where nothing happens: a program may end children without end.
+            # This is checked in every pass: children that end all the time would keep `select`
+            # from timing out.
             if time.monotonic() >= look:
                 look = time.monotonic() + LOOK
                 taken = max(map(memory_of, descendants()), default=0)
@@ -330,9 +337,9 @@ class Supervisor:
                 os.read(self.woken, 4096)
 
     def served(self, request: "dict[str, Any]") -> "dict[str, Any]":
-        """The answer of the program that stays alive, which is started where it does not run.
+        """The answer of the program that stays alive, which is started if it does not run.
 
-        A program that did not answer as it should is ended: the next request starts another.
+        A program that violates the protocol is ended, and the next request starts a new process.
         """
         service = self.service
         try:
@@ -354,7 +361,7 @@ class Supervisor:
             return fault.said | {"phase": service.phase, "said": service.said}
 
     def ready(self, service: Service, request: "dict[str, Any]") -> None:
-        """Waits until the program says that it is ready; raises FaultError if it does not."""
+        """Waits until the program reports that it is ready; raises FaultError if it does not."""
         until = time.monotonic() + request["ready"]
         line = self.next_line(service, until, request["memory"])
         if dictionary(line).get("ready") is not True:
@@ -367,13 +374,13 @@ class Supervisor:
         limit_files([service.process, *descendants()], request["bytes"])
         began = time.monotonic()
         warm = None
-        # No line that the program writes moves this limit.
+        # Lines that the program writes do not extend this limit.
         until = began + request["warm"] + request["timeout"]
         service.write(request["line"])
         while True:
             line = self.next_line(service, until, request["memory"])
             answer = dictionary(line)
-            # A program may take the id for a number.
+            # A program may return the id as a number.
             if "id" in answer and str(answer["id"]) != request["id"]:
                 raise FaultError("other", line=shown(line))
             word = answer_of(answer)
@@ -397,7 +404,7 @@ class Supervisor:
         }
 
     def refuse_noise(self, service: Service) -> None:
-        """Raises FaultError if a program has ended, or has written a line, that nobody asked."""
+        """Raises FaultError if a program has ended or has written a line without a request."""
         if service.phase != "idle":
             return
         service.read()
@@ -410,10 +417,11 @@ class Supervisor:
 
     def next_line(self, service: Service, until: float, most: int) -> bytes:
         """The next line that the program writes `until` then; raises FaultError if none comes,
-        AbandonedError if nobody waits for it any more.
+        AbandonedError if refdem no longer waits for it.
         """
         while True:
-            # Not only where nothing happens: a program may answer at once, and take more each time.
+            # This is checked in every pass: a program may answer at once and use more memory each
+            # time.
             service.refuse_memory(most)
             service.read()
             line = service.line()
@@ -426,7 +434,7 @@ class Supervisor:
             asked = self.asked.fileno()
             heard = [asked, self.woken, *service.open]
             if service.silence != "hang":
-                # No answer can come any more: its end is what is waited for, not long.
+                # No answer is possible any more; wait briefly for the program to end.
                 until = min(until, time.monotonic() + GRACE)
             ready, _, _ = select.select(heard, [], [], min(left, LOOK))
             if asked in ready:
@@ -440,7 +448,7 @@ class Supervisor:
         self.reap(service)
         if service.status is None:
             return
-        # What it wrote before its end may have come between the last look and this one.
+        # It may have written more between the last read and its end.
         service.drain()
         if b"\n" not in service.text:
             raise FaultError("ended", status=service.status, half=shown(service.text))
@@ -452,7 +460,7 @@ class Supervisor:
             service.status = os.waitstatus_to_exitcode(statuses[service.process])
 
     def retire(self) -> None:
-        """Lets the program that stays alive end by itself, for a while, if refdem goes on."""
+        """Gives the program that stays alive some time to end by itself, if refdem continues."""
         service = self.service
         if service is None or not self.is_dismissed:
             return
@@ -469,8 +477,8 @@ class Supervisor:
 
 
 def dictionary(line: bytes) -> "dict[str, Any]":
-    """What a line of JSON in UTF-8 says; raises FaultError unless it is a dictionary of which each
-    word is said once.
+    """The content of a line of JSON in UTF-8; raises FaultError unless it is a dictionary without
+    repeated keys.
     """
     try:
         # From bytes, UTF-16 would be read as well.
@@ -491,14 +499,14 @@ def each_once(pairs: "list[tuple[str, Any]]") -> "dict[str, Any]":
 
 
 def shown(text: bytes) -> str:
-    """The begin of what a program wrote."""
+    """The beginning of a program's output, as text."""
     return text[:SHOWN].decode(errors="replace")
 
 
 def limit_files(processes: "list[int]", most: int) -> None:
-    """No file that these processes write gets longer than `most` bytes; Linux only.
+    """Limits the size of every file that these processes write to `most` bytes; Linux only.
 
-    The limit is the soft one, which rises again for a longer answer.
+    Only the soft limit is set, so that it can be raised again for a longer answer.
     """
     if not hasattr(resource, "prlimit"):
         return
@@ -567,27 +575,27 @@ def become(request: "dict[str, Any]", descriptors: "list[int]") -> None:
 
 
 def limited(kind: int, most: int) -> None:
-    """No more of something than `most`, or than was allowed before."""
+    """Sets a resource limit to `most`, or to the previous hard limit if that is lower."""
     _, allowed = resource.getrlimit(kind)
     most = lower(most, allowed)
     resource.setrlimit(kind, (most, most))
 
 
 def ended_first() -> None:
-    """Where memory ends before a limit is reached, the kernel takes this process and its children
-    rather than the one that judges them.
+    """Makes the kernel kill this process and its children first if the machine runs out of memory.
+
+    The process that judges them then survives.
     """
     with contextlib.suppress(OSError), open("/proc/self/oom_score_adj", "w") as file:
         file.write("1000")
 
 
 def memory_of(process: int) -> int:
-    """Bytes of memory that a process has made its own: anonymous, shared with other processes, and
-    swapped out; 0 if it has ended (Linux).
+    """Bytes of memory that a process uses: anonymous, shared and swapped out (Linux).
 
-    Pages of files do not count, which the kernel can drop at any time. Neither does memory that is
-    only reserved. A limit of the system's (RLIMIT_AS, RLIMIT_DATA) would count it, and end every
-    program that was built with a sanitizer, which reserves 15 TB.
+    It is 0 if the process has ended. Pages of files, which the kernel can drop at any time, and
+    memory that is only reserved do not count. The system's limits (RLIMIT_AS, RLIMIT_DATA) count
+    reserved memory. They would end every program built with a sanitizer, which reserves 15 TB.
     """
     try:
         with open(f"/proc/{process}/status", "rb") as file:
@@ -614,9 +622,9 @@ def reaped() -> "dict[int, int]":
 def has_children() -> bool:
     """Whether a child of this process runs; those that have ended are reaped. Linux only.
 
-    Orphans are adopted, so that without a child there is no descendant. The kernel answers this at
-    one instant; a walk over /proc does not, and misses a process that begins during the walk and
-    whose parent has ended before the walk is there.
+    Orphans are adopted, so that without a child there is no descendant. The kernel's answer is
+    atomic. A walk over /proc is not: it misses a process that starts during the walk if its parent
+    ends before the walk reaches it.
     """
     if not os.path.isdir("/proc/self"):
         return False
@@ -629,7 +637,7 @@ def has_children() -> bool:
 
 
 def lingering() -> int:
-    """How many processes of a program that has ended are still there after a while."""
+    """The number of processes of an ended program that still run after a grace period."""
     until = time.monotonic() + GRACE
     while has_children():
         if time.monotonic() > until:
@@ -649,7 +657,8 @@ def end_descendants() -> None:
             for process in there:
                 with contextlib.suppress(ProcessLookupError, PermissionError):
                     os.kill(process, number)
-        # Where a walk over /proc finds nothing, one process hands on to the next: look at once.
+        # If a walk over /proc finds no process while a child exists, processes replace one another
+        # quickly, so the next walk starts at once.
         if there:
             time.sleep(PAUSE)
 
@@ -665,8 +674,8 @@ def descendants(top: "int | None" = None) -> "list[int]":
         with contextlib.suppress(OSError):
             with open(f"/proc/{name}/stat", "rb") as file:
                 text = file.read()
-            # The name of the program, in brackets, may hold anything: what follows the last bracket
-            # counts.
+            # The name of the program, in brackets, may hold any characters, so the fields are read
+            # after the last bracket.
             state, parent = text[text.rindex(b")") + 1 :].split()[:2]
             if state not in (b"Z", b"X"):
                 children.setdefault(int(parent), []).append(int(name))
@@ -696,9 +705,9 @@ def is_open(descriptor: int) -> bool:
 
 def main() -> None:
     """Answers over standard input."""
-    # A program must not be able to answer for itself: it gets neither this descriptor nor this
-    # standard input. Where refdem has no standard output or no standard error, 1 or 2 are free, and
-    # the copy must not lie there.
+    # A program must not be able to write answers itself, so it inherits neither this descriptor nor
+    # this standard input. If refdem has no standard output or no standard error, descriptors 1 or 2
+    # are free, and the copy must not get one of these numbers.
     asked = socket.socket(fileno=fcntl.fcntl(0, fcntl.F_DUPFD_CLOEXEC, STREAMS))
     nothing = os.open(os.devnull, os.O_RDWR)
     for target in (0, 1):
@@ -706,19 +715,19 @@ def main() -> None:
     if not is_open(2):
         os.dup2(nothing, 2)
     for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
-        # What ends refdem closes the socket.
+        # These signals are ignored: if one of them ends refdem, the socket closes.
         signal.signal(number, signal.SIG_IGN)
     control(PR_SET_CHILD_SUBREAPER, 1)
     serving = os.fork()
     if serving == 0:
         serve(asked)
     asked.close()
-    # Told, not asked for: whoever started this may be gone by now.
+    # The process id is an argument and not os.getppid(), as the parent may have ended by now.
     guard(serving, int(sys.argv[2]), Path(sys.argv[1]))
 
 
 def serve(asked: socket.socket) -> None:
-    """Answers what comes over the socket, ends what is left then, and ends this process."""
+    """Answers all requests, then ends the remaining descendants and this process."""
     control(PR_SET_CHILD_SUBREAPER, 1)
     supervisor = Supervisor(asked)
     try:
@@ -732,8 +741,10 @@ def serve(asked: socket.socket) -> None:
 
 
 def guard(serving: int, parent: int, folder: Path) -> None:
-    """Waits for the process that serves refdem, and ends what that has left: a program may kill it,
-    which is its parent, and would leave behind what it has put into other sessions.
+    """Waits for the process that serves refdem, and ends its remaining descendants.
+
+    A program may kill its parent, the process that serves, and would then leave behind the
+    processes that it has started in other sessions.
     """
     _, status = os.waitpid(serving, 0)
     end_descendants()
@@ -747,11 +758,12 @@ def guard(serving: int, parent: int, folder: Path) -> None:
 
 
 def remove(folder: Path) -> None:
-    """Takes a folder away with all that is in it; what cannot be taken away stays."""
+    """Deletes a folder with its contents, as far as possible."""
     try:
         shutil.rmtree(folder, onerror=_opened_up)
     except RecursionError:
-        # Folders in folders, thousands deep: chmod and rm do not recurse.
+        # Folders may be nested thousands deep; unlike shutil, chmod and rm do not exceed a
+        # recursion limit.
         for command in (["chmod", "-R", "u+rwX"], ["rm", "-rf"]):
             subprocess.run(
                 [*command, "--", str(folder)],
@@ -762,7 +774,7 @@ def remove(folder: Path) -> None:
 
 
 def _opened_up(_: Callable[..., Any], path: str, __: object) -> None:
-    """Tries once more where a program has taken the rights to a folder away."""
+    """Restores the permissions that a program has removed from a folder, and tries once more."""
     there = Path(path)
     with contextlib.suppress(OSError):
         for place in (there.parent, there):
@@ -775,10 +787,11 @@ def _opened_up(_: Callable[..., Any], path: str, __: object) -> None:
 
 
 def is_orphan(parent: int) -> bool:
-    """Whether refdem was killed, and could not take its folder away.
+    """Whether refdem was killed, and could not delete its folder.
 
-    A process that ends closes its sockets before its children get another parent, so that this
-    has to wait a moment; for ever it would wait for a refdem that goes on and said no goodbye.
+    A process that ends closes its sockets before its children get a new parent, so that this
+    function waits for a limited time. A refdem that continues without having sent GOODBYE would
+    otherwise make it wait for ever.
     """
     until = time.monotonic() + ENDING
     while os.getppid() == parent:

@@ -57,8 +57,9 @@ class Mujoco(Engine):
         return unsupported(problem, method.name)
 
     def run(self, request: Request) -> tuple[Trajectory, Cost]:
-        """Compiles the scene and steps it in MuJoCo's own loop; or asks its compiler and its
-        algebra.
+        """Compiles the scene and steps it in MuJoCo's own loop.
+
+        Static questions are answered by MuJoCo's compiler and its functions for rotations.
         """
         if isinstance(request.problem, Motion):
             from refdem.engines.mujoco.session import run

@@ -1,4 +1,4 @@
-"""The audit of defaults: what MuJoCo comes with, what the adapter sets, and why."""
+"""The audit of defaults: MuJoCo's default settings, what the adapter sets, and why."""
 
 from refdem.core.engine import Default
 

@@ -14,7 +14,7 @@ from refdem.scene import Body, Scene
 from refdem.scene.elements.ball_joint import BallJoint
 
 FITS = 1e-9
-"""Part of a length, or of a speed, by which a joint may be open at the start: rounding."""
+"""Relative gap of a joint in position or velocity at the start that counts as rounding."""
 
 
 @dataclass(frozen=True)

@@ -9,11 +9,11 @@ from refdem.scene import Scene
 from refdem.scene.elements.slider import Slider
 
 RADIUS = 1.0
-"""Of the sphere [m]; it does not turn, so that any would do."""
+"""Radius of the sphere [m]; the sphere does not rotate, so that any value will do."""
 
 
 def belts(scene: Scene) -> list[Slider]:
-    """The sliders that rub on what moves: friction of a joint is against the world at rest."""
+    """The sliders on moving surfaces; friction in a joint acts only against the world at rest."""
     return [slider for slider in scene.all(Slider) if slider.belt_velocity]
 
 

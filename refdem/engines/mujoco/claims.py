@@ -7,8 +7,7 @@ from dataclasses import replace
 from refdem.core.engine import UNEQUAL_MOMENTS, Method
 
 FIRST_ORDER = {"contact": 1, "friction": 1}
-"""Contact and dry friction switch inside a step, and no integrator of MuJoCo looks for the moment.
-"""
+"""Contact and dry friction switch inside a step, and no integrator of MuJoCo locates the event."""
 
 GEOMS = frozenset({"solid:cuboid", "solid:ellipsoid", "solid:cylinder"})
 ALGEBRA = frozenset(

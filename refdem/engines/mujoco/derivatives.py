@@ -4,9 +4,9 @@ With the tangent x (2 nv,) of coordinates and velocities, and A_n the matrix of 
 
     x_{n+1} = A_n x_n,    A_n = d(state after the step)/d(state before it).
 
-The tangent of a coordinate is a velocity: a rotation has three, in the axes of the body. What goes
-in, dx_0/ds, and what comes out, d(states)/dx, are differences of order 6 of the smooth maps between
-MuJoCo's coordinates and the states of a scene.
+The tangent of a coordinate is a velocity; a rotation has three components, in body axes. The input
+dx_0/ds and the output d(states)/dx are differences of order 6 of the smooth maps between MuJoCo's
+coordinates and the states of a scene.
 """
 
 from collections.abc import Callable
@@ -30,8 +30,8 @@ Read = Callable[[Array, Array], dict[str, Array]]
 """The states by column (T, N, ...) from coordinates (T, nq) and velocities (T, nv)."""
 
 PART = 2.0**-17
-"""MuJoCo's `eps` as a part of the size of coordinates. The error of a central difference is PART^2
-of the third derivative, and 2^-53/PART by rounding: both about 2^-35.
+"""MuJoCo's `eps` relative to the size of coordinates. A central difference has a truncation error
+of PART^2/6 = 2^-36.6 times the third derivative, and a rounding error of about 2^-53/PART = 2^-36.
 """
 DISTANCE = float(APART)
 """The size of the differences of order 6, in units of what is moved."""
@@ -81,7 +81,7 @@ def of_states(
     start: Start,
     read: Read,
 ) -> dict[str, Array]:
-    """The derivatives (T, N, 13) of the reported states by each number that was asked for."""
+    """The derivatives (T, N, 13) of the reported states by each requested number."""
     derivatives = {}
     for key in request.sensitivities:
         tangents = products @ _of_start(mujoco, model, request, key, start)
@@ -107,7 +107,7 @@ def _of_start(mujoco: Any, model: Any, request: Request, key: str, start: Start)
     unmoved, _ = moved(0)
 
     def away(k: int) -> Array:
-        """How far that start is away, as a tangent."""
+        """The displacement of that start from the given one, as a tangent."""
         q, v = moved(k)
         tangent = np.empty(model.nv)
         mujoco.mj_differentiatePos(model, tangent, 1.0, unmoved, q)
@@ -118,8 +118,9 @@ def _of_start(mujoco: Any, model: Any, request: Request, key: str, start: Start)
 
 
 def _reach(scene: Scene, column: str) -> float:
-    """The size of what a number of the start is moved by: that of a column of the bodies, and of
-    positions at rods, whose angles are no linear functions of them, the shortest rod.
+    """The size by which a number of the start is displaced: that of a column of the bodies.
+
+    For positions at rods it is the shortest rod, as angles are no linear functions of positions.
     """
     rods = [rod.length for rod in scene.all(Rod)]
     if column == "position" and rods:

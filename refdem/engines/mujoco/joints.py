@@ -34,8 +34,8 @@ class Freedom(ABC):
 
     @property
     def lineage(self) -> "tuple[Freedom, ...]":
-        """The freedoms whose coordinates give the body's state: its own, after those of what it
-        hangs from.
+        """The freedoms whose coordinates give the body's state: those of the bodies from which it
+        hangs, then its own.
         """
         return (self,)
 
@@ -92,9 +92,9 @@ class Fixed(Freedom):
 class Slides(Freedom):
     """A body that does not turn: one slide joint an axis, whose coordinate is the position itself.
 
-    `stiffness` (of the first, second and third power) and `reference` (3,) [m] make a spring to the
-    world; `friction` (3,) [N] dry friction along each axis; `solver` the parameters of the latter;
-    `damping` [N s/m] that of every axis.
+    `stiffness` (coefficients of the first, second and third power of the stretch) and `reference`
+    (3,) [m] define a spring to the world. `friction` (3,) [N] is dry friction along each axis, with
+    its solver parameters in `solver`. `damping` [N s/m] acts along every axis.
     """
 
     body: Body

@@ -12,13 +12,13 @@ from refdem.scene.elements.slider import Slider
 from refdem.scene.elements.spring import Spring
 
 START_TOLERANCE = 1e-9
-"""Relative error of a rod's length, and of the speed along it, that rounding of a start may make;
-larger ones a hinge would not keep.
+"""Largest relative error of a rod's length, and of the speed along it, at the start. It allows for
+rounding; a hinge would not preserve a larger one.
 """
 
 
 def of_springs(scene: Scene) -> str | None:
-    """None if every one of the springs can be said."""
+    """None if MuJoCo can express all springs, else what is missing."""
     rods = {body for rod in scene.all(Rod) for body in (rod.a, rod.b)} - {-1}
     for spring in scene.all(Spring):
         if rods & {spring.a, spring.b}:
@@ -27,7 +27,7 @@ def of_springs(scene: Scene) -> str | None:
 
 
 def of_dashpots(scene: Scene) -> str | None:
-    """None if every one of the dashpots can be said, by joints or by the callback."""
+    """None if joints or the callback can express all dashpots, else what is missing."""
     for dashpot in scene.all(Dashpot):
         if any(dashpot.anchor_a):
             return adapter_lacks("a dashpot off the centre of a body")
@@ -37,7 +37,7 @@ def of_dashpots(scene: Scene) -> str | None:
 
 
 def of_sliders(scene: Scene) -> str | None:
-    """None if every one of the sliders can be said."""
+    """None if MuJoCo can express all sliders, else what is missing."""
     for slider in scene.all(Slider):
         if slider.b >= 0:
             return adapter_lacks("dry friction between bodies")
@@ -60,7 +60,7 @@ def of_sliders(scene: Scene) -> str | None:
 
 
 def of_rods(scene: Scene) -> str | None:
-    """None if every one of the rods can be said."""
+    """None if hinges can express all rods, else what is missing."""
     rods = scene.all(Rod)
     if rods and "dimension:3" in scene.features:
         return adapter_lacks("a rod out of a plane (in one it is a hinge)")

@@ -38,7 +38,7 @@ def clock_address(data: Any) -> int:
     EngineError if it does not.
     """
     address = data.energy.ctypes.data - ctypes.sizeof(ctypes.c_double)
-    # A number that stands nowhere else is written by name and read back at the address.
+    # A unique number is written through the attribute and read back at the address.
     probe = 0.1234567890123
     time = data.time
     data.time = probe

@@ -54,8 +54,10 @@ def compiled(request: Request) -> tuple[Any, list[Freedom]]:
 
 
 def freedoms_of(scene: Scene, method: str, step: float) -> list[Freedom]:
-    """The joints of each body. With derivatives, what slides does so along three axes: a number of
-    the start that is 0 moves the body as well.
+    """The joints of each body.
+
+    With derivatives, bodies on slides have all three axes, because the derivative by a component of
+    the start that is 0 also moves the body.
     """
     tuned = is_tuned(method)
     freedoms = [_freedom(scene, number, step, tuned=tuned) for number in range(len(scene.bodies))]
@@ -158,8 +160,9 @@ def _joint_spring(
 def _dry_friction(
     scene: Scene, number: int, step: float, *, tuned: bool
 ) -> tuple[tuple[float, ...], dict[str, Any]]:
-    """Dry friction (3,) [N] of a body along each axis, and the solver's parameters for it, if there
-    is any and MuJoCo's own are not meant.
+    """Dry friction (3,) [N] of a body along each axis, and the solver's parameters for it.
+
+    The parameters are empty without friction and where MuJoCo's defaults are used.
     """
     sliders = [
         slider for slider in scene.all(Slider) if slider.a == number and not slider.belt_velocity

@@ -1,5 +1,5 @@
-"""MuJoCo's options and flags: what the scene does not need is off, nothing adds forces or resets a
-state by itself.
+"""MuJoCo's options and flags: features that the scene does not need are disabled, and so is every
+automatic change of forces or states.
 """
 
 from typing import Any
@@ -30,7 +30,7 @@ FRICTION_TO_NORMAL = 1.0
 
 
 def set_compiler(mujoco: Any, spec: Any) -> None:
-    """Mass and inertia are taken as they are said."""
+    """Makes the compiler use mass and inertia as they are given."""
     compiler = spec.compiler
     compiler.degree = False
     compiler.balanceinertia = False
@@ -42,7 +42,7 @@ def set_compiler(mujoco: Any, spec: Any) -> None:
 
 
 def set_options(mujoco: Any, spec: Any, scene: Scene, method: str, step: float) -> None:
-    """Step, integrator and gravity; solver and flags unless the method takes them as shipped."""
+    """Sets step, integrator and gravity, and also solver and flags for a tuned method."""
     option = spec.option
     option.timestep = step
     option.integrator = getattr(mujoco.mjtIntegrator, INTEGRATORS[method])
@@ -54,7 +54,7 @@ def set_options(mujoco: Any, spec: Any, scene: Scene, method: str, step: float) 
 
 
 def _tune(mujoco: Any, option: Any, scene: Scene) -> None:
-    """The solver to round-off, and nothing that the scene does not need."""
+    """Sets the solver to round-off accuracy, and disables what the scene does not need."""
     option.density = option.viscosity = 0.0
     option.cone = mujoco.mjtCone.mjCONE_ELLIPTIC
     option.solver = mujoco.mjtSolver.mjSOL_NEWTON
@@ -65,7 +65,7 @@ def _tune(mujoco: Any, option: Any, scene: Scene) -> None:
         option.noslip_iterations = NOSLIP
     else:
         option.noslip_iterations = 0
-    # Boxes stand and slide with the ratio of 1; what is round rolls with LIFTLESS.
+    # Boxes stand and slide with an impratio of 1; spheres roll with LIFTLESS.
     if {"contact:friction", "shape:sphere"} <= scene.features:
         option.impratio = solver.LIFTLESS
     else:

@@ -104,8 +104,9 @@ def _struct(pushes: Sequence[Push], places: Sequence[Places], data: Any, clock: 
 
 
 def _columns(places: Sequence[Places], body: int) -> list[int]:
-    """The indices in MuJoCo's qpos of the position (3) of a body, and those in its qvel of the
-    velocity (3); -1 for an axis along which it cannot move, and for the world.
+    """The indices of a body's position (3) in MuJoCo's qpos and of its velocity (3) in qvel.
+
+    An index is -1 for an axis along which the body cannot move, and for the world.
     """
     if body < 0:
         return [-1] * 6
@@ -119,7 +120,7 @@ def _columns(places: Sequence[Places], body: int) -> list[int]:
 
 
 def is_passive(element: Any, scene: Scene) -> bool:
-    """True if the callback makes the force of the element, since no element of MuJoCo does."""
+    """True if the callback computes the force of the element, as no MuJoCo element has it."""
     if isinstance(element, Force | RotatingDashpot | CentralField | PiecewiseField):
         return True
     if isinstance(element, Spring):

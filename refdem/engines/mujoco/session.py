@@ -31,7 +31,7 @@ def run(request: Request) -> tuple[Trajectory, Cost]:
     began = perf_counter()
     warnings: list[str] = []
     kept = mujoco.get_mju_user_warning()
-    mujoco.set_mju_user_warning(warnings.append)  # else it prints, and writes MUJOCO_LOG.TXT
+    mujoco.set_mju_user_warning(warnings.append)  # otherwise it prints and writes MUJOCO_LOG.TXT
     try:
         model, freedoms = compiled(request)
         data = _started(mujoco, model, freedoms, request)
@@ -39,7 +39,7 @@ def run(request: Request) -> tuple[Trajectory, Cost]:
         with acting(mujoco, request.problem.scene, places, data, clock_address(data)):
             mujoco.mj_step(
                 model, _started(mujoco, model, freedoms, request)
-            )  # raises here what would end the process in the loop
+            )  # raises errors here that would end the process in the loop
             setup = perf_counter() - began
             rows, seconds = recorded(model, data, request)
             tangents = None
@@ -118,7 +118,7 @@ def _columns(model: Any, freedoms: list[Freedom], number: int) -> tuple[list[int
         # A body that is fixed has no joint.
         if not freedom.nq:
             continue
-        # Two bodies may have equal joints: the body itself is told apart by its number.
+        # Two bodies may have equal joints, so the body itself is identified by its number.
         owner = number
         if freedom is not freedoms[number]:
             owner = freedoms.index(freedom)

@@ -36,7 +36,7 @@ def effective_masses(scene: Scene) -> Iterator[float]:
     """The effective masses 1/(1/m_i + 1/m_j) [kg] of all pairs of shapes that may meet, one by one:
     of two bodies, and of a body and a plane, whose mass is infinite.
 
-    Pairs of which nothing can move are left out.
+    Pairs of which neither part can move are left out.
     """
     bodies = scene.bodies
     inverse_mass = np.where(bodies.fixed, 0.0, 1 / bodies.mass)

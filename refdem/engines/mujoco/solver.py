@@ -1,5 +1,5 @@
-"""How hard MuJoCo's constraints are set: friction, rigid contact, and the linear contact law in its
-own terms.
+"""Parameters of MuJoCo's soft constraints: friction, rigid contact, and the linear contact law in
+terms of solref and solimp.
 """
 
 from typing import Any
@@ -13,18 +13,18 @@ from refdem.scene.elements.contact import Contact
 HARDEST = 0.9999
 """mjMAXIMP: the largest impedance; MuJoCo clamps to it."""
 ROUNDING = 2.0**-50
-"""Part of a scene's size by which shapes may be apart and still touch: a contact of depth 0 would
-not act.
+"""Margin at which shapes touch, relative to the size of the scene: a contact of depth 0 would not
+act.
 """
 SLIDING = 2.0**-10
-"""Impedance of contacts that slide: a convex contact law lifts what slides (see `rubbing`), the
-less, the smaller this is.
+"""Impedance of sliding contacts. A convex contact law lifts a sliding body off its support (see
+`rubbing`), less so the smaller the impedance.
 """
 LIFTLESS = 2.0**-30
-"""impratio of spheres that rub: friction is so soft in the first solve that slip does not lift what
-slides. The lift ends where the acceleration by the normal force is this part of slip/step. The
-forces are rounded to u/impratio: at 2^-40 two runs that differ by a boost part by 2e-10, here by
-7e-13.
+"""impratio of spheres with friction. Friction is then so soft in the first solve that slip does not
+lift the sliding body. The lift ends where the acceleration by the normal force is this fraction of
+slip/step. Forces have a rounding error of u/impratio, with the unit round-off u: at 2^-40 two runs
+that differ by a boost diverge by 2e-10, with this value by 7e-13.
 """
 ANY = 0.5
 """Impedance of the linear law; it cancels (see `linear_law`) and halves exactly."""
@@ -58,13 +58,14 @@ def linear_law(scene: Scene, law: Contact) -> list[float]:
 def linear_rubbing(scene: Scene, law: Contact, step: float) -> dict[str, Any]:
     """Parameters of a pair under the linear law with sliding friction of full size.
 
-    With the tangential regularisation R_t = (1 - d)/d A_n / impratio slip lifts what slides (see
-    `rubbing`) while `A_n f_n < impratio b_t |v_t| / mu`: with LIFTLESS at no force worth the name,
-    so that the normal force is that of the linear law. The post-solver knows no R_t: it takes the
-    normal force as it is, and stops the slip within a step (b_t = 1/step) or holds friction at
-    mu f_n.
+    With the tangential regularisation R_t = (1 - d)/d A_n / impratio, slip lifts the sliding body
+    (see `rubbing`) while `A_n f_n < impratio b_t |v_t| / mu`. With impratio = LIFTLESS this holds
+    only for negligible forces f_n, so that the normal force is that of the linear law. The
+    post-solver has no R_t. It takes the normal force as given, and either stops the slip within a
+    step (b_t = 1/step) or limits friction to mu f_n.
     """
-    # Direct form: hardly any stiffness, and b_t = 1/step times the impedance that cancels it.
+    # Direct form: MuJoCo divides by the impedance, so that b_t = (ANY/step)/ANY = 1/step; the
+    # stiffness is negligible.
     tangential = [-np.finfo(float).tiny, -ANY / step]
     return {
         "condim": 3,
@@ -82,15 +83,15 @@ def _coulomb(friction: float) -> tuple[float, ...]:
 
 def rubbing(friction: float, step: float, size: float) -> dict[str, Any]:
     """Parameters of a pair that slides or sticks, in direct form: its depth is a critically damped
-    oscillator of rate 1/(2 step).
+    oscillator of rate 1/(2 step), r'' + r'/step + r/(4 step^2) = 0.
 
-    The force minimises one cost of both residuals, so that slip at v_t also pushes along the
-    normal, until
-    `a_n + b v_n + k r = mu |a_t + b_t v_t|` less a part that grows as the impedance d falls: with d
-    near 1 what slides leaves the ground at mu v_t and hops, however short the step. In direct form
-    b and k are 1/d of what is given, and the depth obeys d b and d k, so that a small d lets b_t
-    alone be 1/step: what slides stays down, friction is mu times the normal force, and what sticks
-    comes to rest in a step, for the post-solver takes the softness out of friction.
+    MuJoCo minimises one cost of normal and tangential residuals, so that slip at v_t also pushes
+    along the normal, until `a_n + b v_n + k r = mu |a_t + b_t v_t|` less a term that grows as the
+    impedance d decreases. With d near 1 a sliding body therefore leaves the ground at mu v_t and
+    hops, however short the step. In direct form MuJoCo takes b and k as the given values divided by
+    d, and the depth obeys d b and d k. Hence with a small d only b_t can be 1/step: a sliding body
+    stays in contact, and friction is mu times the normal force. A sticking body comes to rest
+    within a step, because the post-solver removes the softness of friction.
     """
     normal = [-1 / (4 * step**2), -1 / step]
     tangential = [-np.finfo(float).tiny, -SLIDING / step]
@@ -105,7 +106,7 @@ def rubbing(friction: float, step: float, size: float) -> dict[str, Any]:
 
 
 def contact(scene: Scene, law: Contact, step: float, size: float) -> dict[str, Any]:
-    """Parameters of every geom: all alike, so that MuJoCo's rules of combination change nothing."""
+    """Parameters of every geom; as all are equal, MuJoCo's combination rules have no effect."""
     if law.law == "linear":
         return {"condim": 1, "solref": linear_law(scene, law), "solimp": impedance(ANY)}
     sliding = (law.friction, 0.0, 0.0)
@@ -118,8 +119,9 @@ def contact(scene: Scene, law: Contact, step: float, size: float) -> dict[str, A
 
 
 def friction(step: float) -> dict[str, Any]:
-    """solref and solimp of dry friction in a joint: as stiff and as hard as MuJoCo lets it be, so
-    that what sticks creeps least.
+    """solref and solimp of dry friction in a joint, as stiff and as hard as MuJoCo permits.
+
+    A sticking joint then creeps least.
     """
     return {
         "solref_friction": np.array(stiffest(step)),

@@ -1,6 +1,4 @@
-"""What MuJoCo says of solids, as its compiler has them, and its rotation algebra, the functions
-mju_*.
-"""
+"""Mass properties of solids from MuJoCo's compiler, and rotation algebra by its functions mju_*."""
 
 from collections.abc import Callable
 from time import perf_counter
@@ -81,7 +79,7 @@ def _of_geom(
 ) -> dict[str, float] | None:
     """Mass, place and tensor of the compiled body.
 
-    None for what a geom cannot be: hollow, or asked about another point.
+    None for solids that no geom can represent: hollow ones, or a tensor about another point.
     """
     if piece.hollow is not None or piece.about is not None:
         return None

@@ -71,7 +71,7 @@ class Hinge(Freedom):
         return (self,)
 
     def add_body(self, mujoco: Any, parent: Any) -> Any:
-        """The body of MuJoCo below the hinge, whose mass and arm make up for its inertia SPECK.
+        """The body of MuJoCo below the hinge; mass and arm compensate for its own inertia SPECK.
 
         With the arm a and the mass M = m l/a, M a is m l, and M a^2 + SPECK is m l^2, so that the
         weight's torque and the inertia about the hinge are those of the point.

@@ -1,4 +1,4 @@
-"""What MuJoCo cannot express, read off the scene's content: None, or the missing feature in a few
+"""What MuJoCo cannot express, from the contents of the scene: None, or the missing feature in a few
 words.
 """
 
@@ -54,18 +54,16 @@ SMALLEST = 1e-15
 
 
 def heaviest(impedance: float) -> float:
-    """The effective mass [kg] up to which a constraint of this impedance d is as soft as it should
-    be.
+    """The largest effective mass [kg] at which a constraint of impedance d has its proper softness.
 
-    MuJoCo softens a constraint by R = (1 - d)/d times its inverse effective mass, and by mjMINVAL
-    at least (mj_makeImpedance): above this mass R is too large, and the force of the constraint
-    tends to 0.
+    MuJoCo regularises a constraint with R = max(mjMINVAL, (1 - d)/d / m_eff) (mj_makeImpedance).
+    Above m_eff = (1 - d)/(d mjMINVAL) R is too large, and the force of the constraint tends to 0.
     """
     return (1 - impedance) / impedance / SMALLEST
 
 
 def unsupported(problem: Motion, method: str = "rk4") -> str | None:
-    """None if the scene can be said exactly, else the first reason why not."""
+    """None if MuJoCo can express the scene exactly, else the first reason why not."""
     scene = problem.scene
     if not is_tuned(method) and (reason := _as_shipped(scene)):
         return reason
@@ -95,7 +93,7 @@ def unsupported(problem: Motion, method: str = "rk4") -> str | None:
 
 
 def _as_shipped(scene: Scene) -> str | None:
-    """None if the scene has no law that only settings of MuJoCo's solver can express."""
+    """None if MuJoCo's default solver settings can express the scene, else the reason why not."""
     if any(law.law == "linear" for law in scene.all(Contact)):
         return engine_cannot("a linear contact law as shipped: solref and solimp are settings")
     if belts(scene):
@@ -132,7 +130,10 @@ def _of_contact(scene: Scene) -> str | None:
 
 
 def _of_rigid_contact(scene: Scene, law: Contact) -> str | None:
-    """MuJoCo keeps bodies apart; it has no law of how they rebound."""
+    """None if the rigid law can be expressed, else the reason why not.
+
+    MuJoCo prevents penetration, but has no law of restitution.
+    """
     if law.restitution > 0:
         return engine_cannot("a coefficient of restitution")
     if not scene.all(UniformGravity):
@@ -144,8 +145,10 @@ def _of_rigid_contact(scene: Scene, law: Contact) -> str | None:
 
 
 def _of_linear_contact(scene: Scene, law: Contact) -> str | None:
-    """Springs and dampers of one pair can be said in the acceleration, with friction that has no
-    spring of its own.
+    """None if the linear law can be expressed, else the reason why not.
+
+    A constraint can have the acceleration of a spring and a damper of one pair, with friction that
+    has no tangential spring.
     """
     if any(isinstance(shape, Polyhedron) for shape in scene.bodies.shape):
         return engine_cannot("a linear contact law for polyhedra")

@@ -15,9 +15,10 @@ from refdem.engines.pymunk.audit import AUDIT
 from refdem.engines.pymunk.unsupported import reason
 
 POSITION_CORRECTION = {"angular-momentum": frozenset({"contact:rigid"})}
-"""Chipmunk moves rigid bodies that overlap apart along their normal and leaves their velocities:
-p n x (v_a - v_b) is lost or won, in proportion to the overlap, and a friction impulse acts on the
-two surfaces, which an overlap holds apart. Soft contacts are springs, of which that is not true."""
+"""Chipmunk separates overlapping rigid bodies along their normal and leaves their velocities
+unchanged. Angular momentum then changes by p n x (v_a - v_b), in proportion to the overlap. A
+friction impulse acts at the two surfaces, which do not coincide where bodies overlap. Soft contacts
+are springs, which conserve angular momentum."""
 UNIT_BY_ANGLE = {
     "attitude": "the adapter makes attitudes of Chipmunk's angles, so that their norm is always 1"
 }
@@ -96,9 +97,7 @@ class Pymunk(Engine):
         return reason(problem)
 
     def run(self, request: Request) -> tuple[Trajectory, Cost]:
-        """Runs one request; the times are the steps that the engine counted, times the step: it has
-        no clock.
-        """
+        """Runs one request; the engine has no clock, so a time is its number of steps times h."""
         if not isinstance(request.problem, Motion):
             from refdem.engines.pymunk.statics import run
 

@@ -1,4 +1,4 @@
-"""What Chipmunk comes with, what the adapter sets, and why."""
+"""The audit of defaults: Chipmunk's default settings, what the adapter sets, and why."""
 
 from refdem.core.engine import Default
 

@@ -1,6 +1,6 @@
-"""Laws that Chipmunk asks for in every step, compiled (`kernels/chipmunk.c`): forces on a body that
-depend on the time, its place or its velocity, springs that are not linear, soft contacts, and
-friction that depends on the speed.
+"""Compiled callbacks that Chipmunk calls in every step (`kernels/chipmunk.c`): forces on a body
+that depend on time, position or velocity, nonlinear springs, soft contacts, and friction that
+depends on the speed.
 """
 
 from collections.abc import Iterator, Sequence
@@ -74,8 +74,9 @@ def bent(joint: pymunk.Constraint, link: Spring) -> Law:
 
 
 def fading_friction(joint: pymunk.Constraint, link: Slider) -> Law:
-    """The law of a dry friction whose limit depends on the speed: it is set anew before each step,
-    for the speed that the bodies have then.
+    """The law of a dry friction whose limit depends on the speed.
+
+    The limit is updated before each step, for the current speed of the bodies.
     """
     power = 1.0
     if link.law == "stribeck":
@@ -87,9 +88,9 @@ def fading_friction(joint: pymunk.Constraint, link: Slider) -> Law:
 def soft_contacts(scene: Scene, bodies: Sequence[pymunk.Body]) -> Iterator[Law]:
     """A one-sided spring for every pair of spheres, where the contact law has a stiffness.
 
-    F = k d^n with the overlap d = R_a + R_b - distance, and c dd/dt of the joint's own damper. The
-    damper acts at any distance, so that it is switched before each step: on while the discs
-    overlap, for `zero_force` only while both forces together push.
+    F = k d^n with the overlap d = R_a + R_b - distance; the joint's own damper adds c dd/dt. The
+    damper acts at any distance, so that it is switched before each step: it is on while the discs
+    overlap, and for `zero_force` only while the total force is repulsive.
     """
     for law in scene.all(Contact):
         if law.law == "rigid":
@@ -110,11 +111,12 @@ def soft_contacts(scene: Scene, bodies: Sequence[pymunk.Body]) -> Iterator[Law]:
 
 
 def pushes(scene: Scene, bodies: Sequence[pymunk.Body]) -> Iterator[Law]:
-    """The forces from outside on every body that moves: drives, fields, and dashpots that
-    `Space.damping` cannot say.
+    """The external forces on every moving body: drives, fields, and dashpots that `Space.damping`
+    cannot express.
 
-    Chipmunk asks for them where it updates a velocity, after it has moved the body: the force is
-    that at the new place and at the end of the step, with the velocity of its beginning.
+    Chipmunk evaluates them where it updates a velocity, after it has moved the body. The force is
+    therefore that at the new position and the end of the step, with the velocity at its beginning:
+    v_(n+1) = v_n + h F(t_(n+1), x_(n+1), v_n)/m.
     """
     for number, body in enumerate(bodies):
         if scene.bodies.fixed[number]:
@@ -125,7 +127,7 @@ def pushes(scene: Scene, bodies: Sequence[pymunk.Body]) -> Iterator[Law]:
 
 
 def _pushing(scene: Scene, number: int) -> Iterator[Field | Push]:
-    """The elements whose forces on that body are from outside."""
+    """The elements that exert external forces on that body."""
     for element in scene.elements:
         if isinstance(element, CentralField | PiecewiseField):
             yield element
@@ -137,7 +139,7 @@ def _pushing(scene: Scene, number: int) -> Iterator[Field | Push]:
 
 @contextmanager
 def acting(space: pymunk.Space, laws: Sequence[Law], start: float, step: float) -> Iterator[None]:
-    """Within this context Chipmunk asks for these laws, from a start [s] with a step [s]."""
+    """Within this context Chipmunk calls these laws, from time `start` [s] with a step [s]."""
     if not laws:
         yield
         return

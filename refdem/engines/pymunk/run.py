@@ -28,12 +28,12 @@ FUNCTIONS = {
 }
 """Chipmunk's functions that the loop calls, by the names of the compiled struct."""
 TURNING = {"angle": "cpBodyGetAngle", "omega": "cpBodyGetAngularVelocity"}
-"""Those that it calls in scenes in which something can turn."""
+"""The functions that it also calls in scenes in which some body can rotate."""
 
 
 def recorded(request: Request) -> tuple[Trajectory, Cost]:
-    """Runs the request; raises EngineError if Chipmunk was built with numbers that are not doubles,
-    or lost count.
+    """Runs the request; raises EngineError if Chipmunk was not built with doubles, or if it made a
+    wrong number of steps.
     """
     began = perf_counter()
     if engine_ffi.sizeof("cpFloat") != 8 or engine_ffi.sizeof("cpVect") != 16:
@@ -52,7 +52,7 @@ def recorded(request: Request) -> tuple[Trajectory, Cost]:
     samples = len(request.problem.times)
     stride = request.stride
     rows = np.full((samples, len(bodies), 6), np.nan)
-    # Where nothing can turn the loop does not write these columns.
+    # Where no body can rotate, the loop does not write these columns.
     rows[..., ANGLE] = angle_of(columns.attitude)
     rows[..., OMEGA] = 0.0
     out = kernels.pointer(FAMILY, rows, output=True)
@@ -96,11 +96,11 @@ def _trajectory(request: Request, t: Array, rows: Array) -> Trajectory:
     velocity[..., :2] = rows[..., 2:4]
     omega[..., 2] = rows[..., OMEGA]
     attitude = np.zeros((*rows.shape[:2], 4))
-    # A turn about z by the angle alpha: (cos(alpha/2), 0, 0, sin(alpha/2)).
+    # Rotation about z by the angle alpha: q = (cos(alpha/2), 0, 0, sin(alpha/2)).
     half_angle = rows[..., ANGLE] / 2
     attitude[..., 0] = np.cos(half_angle)
     attitude[..., 3] = np.sin(half_angle)
-    # A body that never turned keeps its attitude, which may be one that no turn about z makes.
+    # A body that never rotated keeps its attitude, which need not be a rotation about z.
     keeps_angle = (rows[..., ANGLE] == angle_of(bodies.attitude)).all(axis=0)
     still = ~bodies.omega.any(axis=1) & keeps_angle
     attitude[:, still] = bodies.attitude[still]

@@ -12,7 +12,9 @@ from refdem.scene.elements.plane import Plane
 from refdem.scene.shapes import extent
 
 WALL = 1e3
-"""Half the length and the depth of a wall, in units of the scene's size: nothing gets around it."""
+"""Half the length and the depth of a wall, in units of the scene's size, so that no body can pass
+around it.
+"""
 
 
 def add_shapes(space: pymunk.Space, scene: Scene, bodies: list[pymunk.Body]) -> bool:
@@ -41,15 +43,15 @@ def add_shapes(space: pymunk.Space, scene: Scene, bodies: list[pymunk.Body]) -> 
 
 
 def factors(value: float, *, is_alone: bool) -> tuple[float, float]:
-    """The coefficients of shapes and of walls whose product, which Chipmunk takes for a pair, is
-    `value`: exactly for a shape that is alone.
+    """The coefficients of shapes and of walls. Chipmunk multiplies those of a pair, and the product
+    is `value`.
 
-    The square of a rounded root may be less: sqrt(3/4)^2 = 3/4 (1 - 1.5e-16) does not hold a block
-    on the slope 3/4.
+    For a shape that is alone the product is exact. The square of a rounded root may be smaller:
+    with sqrt(3/4)^2 = 3/4 (1 - 1.5e-16) a block would slide down the slope 3/4.
     """
     of_shapes = value
     if not is_alone:
-        # Two shapes meet with the root of the value each.
+        # The product for two shapes is sqrt(value)^2.
         of_shapes = sqrt(value)
     if not of_shapes:
         return of_shapes, 0.0

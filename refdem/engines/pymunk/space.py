@@ -24,16 +24,18 @@ from refdem.scene.elements.spring import Spring
 from refdem.scene.elements.uniform_gravity import UniformGravity
 
 COUPLED_ITERATIONS = 200
-"""Passes over joints and contacts that share bodies: Gauss-Seidel needs many to come near
-round-off.
+"""Iterations over joints and contacts that share bodies: Gauss-Seidel needs many to converge to
+near round-off.
 """
 
 
 def space_of(
     scene: Scene, *, is_tuned: bool = True
 ) -> tuple[pymunk.Space, list[pymunk.Body], list[Law]]:
-    """The space, its bodies in the scene's order, and the laws that it asks for in every step; with
-    pymunk's own slop, iterations and pull on joints unless it is tuned.
+    """The space, its bodies in the scene's order, and the laws that it calls in every step.
+
+    Unless it is tuned, it has pymunk's defaults for collision slop, iterations and the correction
+    of joints.
     """
     space = pymunk.Space()
     # Chipmunk's damping is the factor on all velocities in a second, exp(-rate).
@@ -76,7 +78,7 @@ def _is_independent(scene: Scene, links: list[Spring | Rod | Slider]) -> bool:
 
 
 def _tune(space: pymunk.Space, *, is_independent: bool) -> None:
-    """Takes out what pymunk's defaults do to the mechanics of a scene."""
+    """Replaces the defaults of pymunk that change the mechanics of a scene."""
     space.collision_slop = 0.0
     space.sleep_time_threshold = float("inf")
     space.iterations = COUPLED_ITERATIONS
@@ -95,7 +97,7 @@ def _body(scene: Scene, number: int) -> pymunk.Body:
     if column.fixed[number]:
         body = pymunk.Body(body_type=pymunk.Body.STATIC)
     else:
-        # Chipmunk takes no moment of 0; a point that nothing can turn has an infinite one.
+        # Chipmunk accepts no moment of 0; a point that cannot rotate has an infinite one.
         moment = float(column.inertia[number, 2])
         if moment == 0:
             moment = float("inf")
@@ -109,7 +111,7 @@ def _body(scene: Scene, number: int) -> pymunk.Body:
 
 
 def _belt(space: pymunk.Space, link: Slider) -> pymunk.Body:
-    """A body of constant velocity, which no force changes: the belt that the slider rubs on."""
+    """A kinematic body of constant velocity: the belt on which the slider rubs."""
     belt = pymunk.Body(body_type=pymunk.Body.KINEMATIC)
     space.add(belt)
     belt.velocity = tuple((link.belt_velocity * np.array(link.axis[:2])).tolist())
@@ -149,7 +151,8 @@ def _joint(
         return rod
     joint = pymunk.PivotJoint(a, b, CENTRE, CENTRE)
     joint.max_force = link.normal_force * link.coefficient(0.0)
-    # 1 a second leaves the distance as it is: friction has no memory of a place to go back to.
+    # The bias is the part of an error that remains after a second. With 1, positions are not
+    # corrected, because friction has no rest position.
     joint.error_bias = 1.0
     return joint
 

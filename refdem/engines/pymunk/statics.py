@@ -1,4 +1,4 @@
-"""What pymunk says of plates, and how it turns vectors of the plane."""
+"""Mass properties of plates and rotation of plane vectors, both by pymunk."""
 
 from collections.abc import Callable
 from time import perf_counter
@@ -25,7 +25,7 @@ def run(request: Request) -> tuple[Trajectory, Cost]:
 
 
 def of_plate(piece: Piece) -> dict[str, float] | None:
-    """A convex polygon: pymunk takes the hull of any other."""
+    """Mass properties of a convex polygon; None for others, of which pymunk takes the hull."""
     if not isinstance(piece.shape, Polygon) or not _is_convex(piece.shape):
         return None
     vertices = list(piece.shape.vertices)

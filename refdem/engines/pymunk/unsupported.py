@@ -59,7 +59,7 @@ def reason(problem: Motion) -> str | None:
 
 
 def _element_reason(scene: Scene) -> str | None:
-    """None if every dashpot, force and slider can be said, else the first that cannot."""
+    """None if all dashpots, forces and sliders can be expressed, else the first that cannot."""
     for dashpot in scene.all(Dashpot):
         if dashpot.b >= 0:
             return engine_cannot(
@@ -78,9 +78,10 @@ def _element_reason(scene: Scene) -> str | None:
 
 
 def fading(scene: Scene) -> float | None:
-    """The rate [1/s] at which the dashpots take velocity from every body alike.
+    """The rate [1/s] at which the dashpots damp the velocity of every body, dv/dt = -rate v.
 
-    None if they do not: then `Space.damping` cannot express them, and they are forces.
+    None if the dashpots do not damp all bodies alike and relative to the world. `Space.damping`
+    cannot express these, and they become forces.
     """
     free = [number for number, fixed in enumerate(scene.bodies.fixed) if not fixed]
     damping = dict.fromkeys(free, 0.0)
@@ -102,7 +103,10 @@ def fading(scene: Scene) -> float | None:
 
 
 def _contact_reason(scene: Scene) -> str | None:
-    """Rigid contact is between circles and prisms along z, soft contact between circles alone."""
+    """None if the contact law can be expressed, else the missing feature.
+
+    Rigid contact is between circles and prisms along z, soft contact between circles only.
+    """
     law = next(iter(scene.all(Contact)), None)
     if law is None or not scene.has_shapes():
         return None

@@ -1,4 +1,4 @@
-"""What REBOUND comes with, what the adapter sets, and why."""
+"""The audit of defaults: REBOUND's default settings, what the adapter sets, and why."""
 
 from refdem.core.engine import Default
 

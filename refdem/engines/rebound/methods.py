@@ -6,9 +6,9 @@ from refdem.core.engine import Method
 
 KEPT = frozenset({"momentum", "angular-momentum"})
 COLLISIONS = {"contact:rigid": 1}
-"""Hard spheres collide at the end of the step in which they meet, wherever they are then. Those
-that have passed through each other by then do not, whichever search is used: steps have to be
-shorter than the sum of the radii over the closing speed.
+"""Hard spheres collide at the end of the step in which they meet, at their positions at that time.
+With either search, spheres that have passed through each other by then do not collide. The step
+must be shorter than the sum of the radii divided by the closing speed.
 """
 
 LEAPFROG = Method(
@@ -46,7 +46,9 @@ LEAPFROG_UNCUT = replace(
         " Simulationarchive.getSimulation(mode='exact') does"
     ),
 )
-"""The same step as long runs are made with it: output does not choose where collisions are seen."""
+"""The same method with steps that do not depend on the times of output, as in long runs, so that
+output does not affect where collisions are detected.
+"""
 IAS15 = Method(
     name="ias15",
     summary=(

@@ -27,9 +27,11 @@ FUNCTIONS = {
     "update": "reb_simulation_update_acceleration",
 }
 FINEST_TOLERANCE = 1e-15
-"""Round-off hides smaller errors: at 1e-16 bs rejects every step, however small, for ever."""
+"""Smallest tolerance. Smaller errors are below round-off: at 1e-16 bs rejects every step, however
+small, without end.
+"""
 STEPPED = {"leapfrog", "leapfrog-8", "leapfrog-line", "whfast"}
-"""Methods that make whole steps of a size that is set, one a sample unless a step is asked for."""
+"""Methods with steps of a fixed size: one step per sample unless a step is requested."""
 
 
 def recorded(request: Request) -> tuple[Trajectory, Cost]:
@@ -68,8 +70,8 @@ def recorded(request: Request) -> tuple[Trajectory, Cost]:
 
 
 def _steps_per_sample(request: Request) -> int:
-    """How many steps the compiled loop makes from each sample to the next; 0 where REBOUND chooses
-    its steps and is asked to go on to the time of the sample.
+    """The number of steps of the compiled loop from each sample to the next; 0 where REBOUND
+    chooses its steps and integrates to the time of the sample.
     """
     if request.step:
         return request.stride
@@ -96,16 +98,18 @@ def _layout(request: Request, fields: Fields) -> Layout:
 
 
 UNCUT = (5**0.5 - 1) / 2
-"""Size of a step that never ends at a sample, in units of the step that is asked for: the golden
-section, whose multiples stay as far from whole numbers as any can.
+"""Size of a step in units of the requested step, such that no step ends at a sample. The multiples
+of the golden section (sqrt(5) - 1)/2 stay as far from integers as possible (Hurwitz 1891).
 """
 
 
 def _uncut(
     request: Request, fields: Fields, sim: rebound.Simulation, began: float
 ) -> tuple[Trajectory, Cost]:
-    """Steps of constant size, and for every sample a copy of the simulation that goes on to it in
-    one shorter step: sampling leaves the steps, and the collisions at their ends, as they are.
+    """Makes steps of constant size; a copy of the simulation reaches each sample by one shorter
+    step.
+
+    Sampling therefore does not change the steps, nor the collisions at their ends.
     """
     times = request.problem.times
     step = UNCUT * request.signed_step
@@ -166,8 +170,8 @@ def _engine(sim: rebound.Simulation, ode: ODE | None) -> Any:
 
 
 def _refuse_failure(sim: rebound.Simulation, request: Request, failed: int) -> None:
-    """Raises EngineError with REBOUND's own words; its warnings are not passed on: the checks see
-    what they warn of.
+    """Raises EngineError with REBOUND's message. Its warnings are not passed on, as the checks
+    detect their consequences.
     """
     try:
         with warnings.catch_warnings():

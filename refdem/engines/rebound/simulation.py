@@ -1,4 +1,4 @@
-"""A scene in REBOUND's words: particles, callbacks, Euler's equations and the integrator."""
+"""A scene as a REBOUND simulation: particles, callbacks, Euler's equations and the integrator."""
 
 from collections.abc import Callable
 from ctypes import addressof, c_void_p, cast
@@ -28,9 +28,9 @@ ORDER_OF_COLLISIONS = 1
 SWINGING = 1e-10
 """epsilon of ias15 with springs and rods, in place of REBOUND's 1e-9.
 
-The iteration of a step ends where the last coefficient of its series changes by more than it did
-the time before, which by chance it may do while the others are still wrong: at 1e-9 one run in
-six of a damped, driven oscillator has a step that is off by 2e-13. At 1e-10 none has.
+The predictor-corrector iteration of a step ends where the change of the last coefficient of its
+series increases. By chance this may happen before the other coefficients have converged: at 1e-9
+one run in six of a damped, driven oscillator has a step with an error of 2e-13. At 1e-10 none has.
 """
 
 
@@ -116,9 +116,9 @@ def set_collisions(sim: rebound.Simulation, scene: Scene, method: str) -> None:
     """REBOUND's own hard spheres, where the contact law is rigid: searched for at the end of every
     step, and resolved with the law's restitution.
 
-    `direct` finds pairs that overlap then, `line` also pairs that overlapped on the straight way of
-    the step. Of either, `hardsphere` resolves those that overlap and approach at the end of the
-    step (validation/expected/deviations/rebound_line.py).
+    `direct` finds pairs that overlap at the end of the step, `line` also pairs that overlapped on
+    the straight path of the step. Of these, `hardsphere` resolves only pairs that overlap and
+    approach at the end of the step (validation/expected/deviations/rebound_line.py).
     """
     for law in scene.all(Contact):
         if law.law != "rigid":
@@ -146,8 +146,8 @@ def _always(restitution: float) -> Callable[[Any, float], float]:
 
 
 def _place(sim: rebound.Simulation, fields: Fields, first: int) -> None:
-    """Tells the callbacks where in memory the bodies' particles lie, from particle `first` on, and
-    the simulation where the fields lie.
+    """Passes the memory addresses of the bodies' particles, from particle `first` on, to the
+    callbacks, and that of the fields to the simulation.
     """
     ffi = kernels.load(FAMILY).ffi
     particle = rebound.Particle

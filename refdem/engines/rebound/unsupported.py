@@ -1,4 +1,4 @@
-"""What REBOUND cannot express of a scene, and the words in which it is refused."""
+"""What REBOUND cannot express of a scene, and the reasons in words."""
 
 import numpy as np
 
@@ -35,11 +35,11 @@ KNOWN = (
     UniformGravity,
 )
 FIT = 1e-9
-"""A rod fits if the distance of its ends differs from its length by this part of it at most: the
-multiplier keeps the distance that it finds.
+"""Largest relative difference of a rod's length and the initial distance of its ends: the
+multiplier preserves the initial distance.
 """
 MOST_TOUCHING = 64
-"""Spheres up to which every pair is looked at in every evaluation of the forces."""
+"""Largest number of spheres, as every pair is visited in every evaluation of the forces."""
 NO_FRICTION = engine_cannot("friction between particles (they have no spin)")
 COLLIDING = frozenset(
     method.name for method in (LEAPFROG, LEAPFROG_LINE, LEAPFROG_UNCUT, AS_SHIPPED)
@@ -81,7 +81,7 @@ def reason(problem: Motion, method: str) -> str | None:
 
 
 def turning(scene: Scene) -> list[int]:
-    """Numbers of the bodies that spin."""
+    """Indices of the bodies that rotate."""
     bodies = scene.bodies
     has_inertia = bodies.inertia.any(axis=1)
     has_spin = bodies.omega.any(axis=1)
@@ -153,7 +153,8 @@ def _acts_off_centre(link: Link) -> bool:
 def _method_reason(scene: Scene, method: str) -> str | None:
     """None if the integrator can take the bodies and forces of the scene, else the missing feature.
 
-    Only bs carries rotation; leapfrog takes no velocities; whfast takes a centre and nothing else.
+    Only bs integrates rotation. leapfrog accepts no forces that depend on velocities, and whfast
+    accepts no forces other than those of an attracting centre.
     """
     rotors = turning(scene)
     if rotors and method != "bs":
@@ -188,8 +189,8 @@ def _method_reason(scene: Scene, method: str) -> str | None:
 def _time_reason(problem: Motion) -> str | None:
     """None, or that hard spheres do not collide while time runs backwards.
 
-    The search skips pairs whose velocities part them. With negative steps these are the pairs that
-    come nearer, so that spheres pass through each other.
+    The search skips separating pairs by their velocities. With negative steps these are the pairs
+    that approach each other, so that spheres pass through each other.
     """
     if problem.interval >= 0 or "contact:rigid" not in problem.scene.features:
         return None
@@ -202,8 +203,8 @@ def _edge_reason(scene: Scene, method: str) -> str | None:
     """None if the integrator can take the contacts and edges of the scene, else the missing
     feature.
 
-    Leapfrog alone takes forces that set in at an edge. Hard spheres need one of the methods that
-    search for collisions.
+    Only leapfrog accepts contacts and piecewise fields, whose forces are not smooth at an edge.
+    Hard spheres need one of the methods that search for collisions.
     """
     if "contact:rigid" in scene.features:
         if method in COLLIDING:

@@ -154,7 +154,7 @@ EXEMPT = {
         )
     }
 }
-"""What a frame promises less of a method, with the reason."""
+"""Methods with a lower promise for a frame, with the reason."""
 
 
 def _sweeps() -> Iterator[Sweep]:

@@ -11,12 +11,12 @@ BASIS = (
     " from impact to impact by the certified S"
 )
 SAMPLES = 32
-"""Samples of a run, of which two lie in most flights of the longest sequences."""
+"""Number of samples of a run: most flights of the longest sequences contain two of them."""
 sweep = partial(parameter_sweep, basis=BASIS, samples=SAMPLES)
 
 
 def light_between_heavy(ratio: str) -> str:
-    """The masses of three balls, and of those that do not count."""
+    """The masses of the balls as text: three that collide, and the unused ones."""
     return ",".join(["1", ratio, *(["1"] * 5)])
 
 

@@ -1,6 +1,4 @@
-"""Bodies at the edge of their kind: moments of inertia that are nearly equal, flat plates,
-needles.
-"""
+"""Bodies with extreme moments of inertia: nearly equal ones, flat plates, needles."""
 
 from functools import partial
 
@@ -8,7 +6,9 @@ from refdem.stress.measures.parameters import parameter_sweep
 from refdem.stress.sweep import Battery
 
 POINTS = tuple(f"1/{2**k}" for k in (3, 7, 10, 13, 20, 27, 33, 40, 46, 50))
-"""Powers of two: moments that are rounded would be those of another body, and a needle shows it."""
+"""Powers of two, so that the moments are exact: rounded moments would be those of another body,
+which a needle would show.
+"""
 BASIS = (
     "differences of moments are exact in binary64 (Sterbenz 1974), so only"
     " the rounding of the moments counts, and S measures it"

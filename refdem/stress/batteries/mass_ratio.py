@@ -1,5 +1,5 @@
-"""Light against heavy: what a light body does depends on small differences of a heavy one's
-numbers.
+"""Light against heavy: the motion of a light body depends on small differences of numbers of a
+heavy one.
 """
 
 from functools import partial

@@ -1,7 +1,7 @@
 """Soft spheres without loss of energy, with every parameter of a linear contact at its extremes.
 
-Without a dashpot the force of the contact ends where the overlap does, so that MuJoCo, pymunk and
-REBOUND, which know no attractive contact force, run the same sweeps as the reference.
+Without a dashpot the force of the contact is never attractive, so that MuJoCo, pymunk and REBOUND,
+which have no attractive contact force, run the same sweeps as the reference.
 """
 
 from fractions import Fraction
@@ -46,7 +46,8 @@ BATTERY = Battery(
             lambda x: {"closing_speed": f"{1 / x}"},
             "1e6",
         ),
-        # The overlap v sqrt(m/k) stays what it is: else fast spheres would pass through each other.
+        # The largest overlap v sqrt(m/k) is kept constant; otherwise fast spheres would pass
+        # through each other.
         sweep(
             "elastic spheres, faster and as much harder",
             "speed [m/s]",
@@ -58,7 +59,7 @@ BATTERY = Battery(
             "elastic spheres, smaller and smaller",
             "1/radius [1/m]",
             ("2", "1e1", "1e2", "1e4", "1e6"),
-            # The contact lasts as long as it takes to move by a tenth of the radius.
+            # The contact lasts as long as the spheres take to move by a tenth of the radius.
             lambda x: {"radii": f"{1 / x},{1 / x}", "stiffness": f"{128 * x * x}"},
             "1e6",
         ),

@@ -1,4 +1,4 @@
-"""Steps as long as a contact lasts and longer: what an impact without loss gives back."""
+"""Steps as long as a contact and longer: the kinetic energy after an impact without loss."""
 
 import math
 from collections.abc import Mapping
@@ -16,12 +16,12 @@ from refdem.core.variant import Variant
 from refdem.stress.measures.fixed_step import FixedStep
 
 GAINED = 0.1
-"""The largest part of the kinetic energy that an impact without loss may gain or lose: with more, a
-heap of grains heats up or settles by the step and not by the law.
+"""Largest relative change of the kinetic energy in an impact without loss. A larger one would make
+a heap of grains heat up or settle because of the step and not because of the contact law.
 """
 AFTERWARDS = 3
-"""The run lasts so many times as long as the contact, so that also one that steps prolong is over
-at its end.
+"""Duration of the run in units of that of the contact, so that a contact which long steps prolong
+has also ended.
 """
 
 
@@ -39,7 +39,7 @@ class ContactStep(FixedStep):
         return replace(instance.motion, times=times)
 
     def checks(self, subject: Subject, x: Fraction) -> tuple[Check, ...]:
-        """The check of the energy that comes back."""
+        """The check of the kinetic energy after the impact."""
         return (GivesBack(),)
 
 

@@ -47,8 +47,8 @@ class Frame(Measure):
     """Another frame: `show` returns the transformation of a point x, `change` names the symmetry it
     belongs to.
 
-    With `told_apart` the transformation differs from the identity by the relative amount x, and a
-    tenth of that difference must be resolved.
+    With `told_apart` the transformation differs from the identity by the relative amount x, and the
+    runs must distinguish a tenth of that difference.
     """
 
     change: Change

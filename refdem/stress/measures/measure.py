@@ -19,7 +19,7 @@ from refdem.planning.plan import Task
 LEVELS = 3
 """Levels of refinement, of which the last is run: its bound is tighter than the first level's."""
 MOST_STEPS = 1e5
-"""Steps of a run at most: where the last level has more, the last one that has not is run."""
+"""Largest number of steps of a run: the finest level with no more steps is run."""
 
 
 class Measure(ABC):
