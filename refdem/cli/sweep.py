@@ -45,7 +45,7 @@ def command(
         ),
     ] = 4,
     out: Annotated[
-        Path, typer.Option(help="Folder for sweep.md, sweep.csv and sweep.json.")
+        Path, typer.Option(help="Folder for sweep.md, .csv and .json; of two parameters .html.")
     ] = Path("refdem-sweep"),
     jobs: options.Jobs = None,
     scheduler: options.Scheduler = None,
@@ -58,8 +58,9 @@ def command(
 
     Each row is one method at one setting with one step. The error is the largest over the run,
     against certified truth, in units of the scale of each quantity. The verdict is the worst of
-    what was decided at that setting, over all steps. What has run is kept: a sweep that was killed,
-    or has more values, runs only what is missing. Exit status as of `refdem run`.
+    what was decided at that setting, over all steps. Of two parameters, sweep.html has a heat map
+    of correct digits for each method. What has run is kept: a sweep that was killed, or has more
+    values, runs only what is missing. Exit status as of `refdem run`.
 
     Example: refdem sweep pendulum --set theta0=0.5,1,2 --engine reference --engine mujoco
     """
@@ -72,7 +73,7 @@ def command(
     from refdem.planning.campaign import Campaign
     from refdem.planning.plan import present
     from refdem.planning.specification import Entry, Specification
-    from refdem.report import sweep
+    from refdem.report import heat_map, sweep
     from refdem.report.contents import contents_of
     from refdem.report.files import written
 
@@ -105,7 +106,9 @@ def command(
     contents = contents_of(sheets)
     points = sweep.points(contents, settings)
     document = sweep.as_json(case, names, points, absent)
-    written(out / "sweep.md", sweep.markdown(f"Sweep of {case}", names, points))
+    title = f"Sweep of {case}"
+    has_map = len(names) == 2 and heat_map.write(out, title, names, points, store)
+    written(out / "sweep.md", sweep.markdown(title, names, points, has_map=has_map))
     written(out / "sweep.csv", sweep.csv(names, points))
     written(out / "sweep.json", document)
     if json:
@@ -116,4 +119,6 @@ def command(
         print(sweep.text(names, points))
         print("\n".join([f"{made} runs made, {read} read from the store", *absent]))
         print(f"table: {out / 'sweep.csv'}")
+        if has_map:
+            print(f"heat map: {out / 'sweep.html'}")
     raise typer.Exit(exit_status(sheets, absent))

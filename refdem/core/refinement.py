@@ -195,13 +195,56 @@ def of_rods(instance: Instance) -> float:
     rods = problem.scene.all(Rod)
     if not rods:
         return 0.0
-    masses = np.repeat(problem.scene.bodies.mass, 3)
     lengths = np.array([rod.length for rod in rods])
-    # With A = G M^-1/2 the matrix M^-1 G^T (G M^-1 G^T)^-1 is M^-1/2 A^+.
-    weights = 1.0 / np.sqrt(masses)
-    pseudoinverse = np.linalg.pinv(rod_directions(problem.scene) * weights)
-    moved_by = weights[:, None] * pseudoinverse
-    return float(np.max(np.abs(moved_by) @ lengths) / instance.scales.length)
+    moved_by = np.abs(moved_by_lengths(problem.scene))
+    return float(np.max(moved_by @ lengths) / instance.scales.length)
+
+
+def moved_by_lengths(scene: Scene) -> Array:
+    """The places M^-1 G^T (G M^-1 G^T)^-1 (3 bodies, rods) by which a scene moves where the
+    lengths of its rods are off by one; accelerations, for second derivatives of the lengths.
+    """
+    weights = 1.0 / np.sqrt(np.repeat(scene.bodies.mass, 3))
+    # With A = G M^-1/2 the matrix is M^-1/2 A^+.
+    moved_by: Array = weights[:, None] * np.linalg.pinv(rod_directions(scene) * weights)
+    return moved_by
+
+
+@once_for_each
+def start_acceleration(instance: Instance) -> float:
+    """Largest acceleration [m/s^2] of a body: that at the start of bodies on rods, under their
+    weight; L/tau^2 of others.
+
+    Scales of rods of very unequal masses or lengths are those of the fastest motion that the
+    energy allows, and the start may be far from it.
+    """
+    problem = instance.problem
+    scales = instance.scales
+    if not isinstance(problem, Motion) or not problem.scene.all(Rod):
+        return scales.length / scales.tau**2
+    scene = problem.scene
+    directions = rod_directions(scene)
+    weight = sum((np.array(field.g) for field in scene.all(UniformGravity)), np.zeros(3))
+    falling = np.tile(weight, len(scene.bodies))
+    # A rod l keeps its length: 0 = l'' = G a + (v^2 - l'^2)/l, with the velocity v of one end
+    # against the other.
+    relative = np.array([_closing(scene, rod) for rod in scene.all(Rod)])
+    lengths = np.array([rod.length for rod in scene.all(Rod)])
+    lengthening = directions @ scene.bodies.velocity.ravel()
+    across = (np.sum(relative**2, axis=1) - lengthening**2) / lengths
+    acceleration = falling - moved_by_lengths(scene) @ (directions @ falling + across)
+    return float(np.max(np.linalg.norm(acceleration.reshape(-1, 3), axis=1)))
+
+
+def _closing(scene: Scene, rod: Rod) -> Array:
+    """The velocity (3,) [m/s] of the first end of a rod against the second, which may be a point of
+    the world.
+    """
+    velocity = scene.bodies.velocity
+    closing: Array = velocity[rod.a].copy()
+    if rod.b >= 0:
+        closing -= velocity[rod.b]
+    return closing
 
 
 def rod_directions(scene: Scene) -> Array:
@@ -257,19 +300,29 @@ def of_far_places(instance: Instance, method: Method, level: float) -> float:
 
         uniform roundings add up, at three sigma, to   3 sqrt(PLACE_ADDITIONS n/3) u |r|/L,
         roundings of equal terms add up to             n u |r|/L, as in `flight`,
+        those of nearly equal terms to                 PLACE_ADDITIONS n min(1, 1/k) u |r|/L.
 
-    and velocities that are differences of places are rounded by tau/h times as much.
+    A term h v changes by h a T in a run of duration T with the acceleration a: by k spacings 2 u
+    |r| of the numbers near r. Until it has changed by one it is rounded the same way at every step.
+    And velocities that are differences of places are rounded by tau/h times as much.
     """
     problem = instance.problem
     if not isinstance(problem, Motion):
         return 0.0
+    far = farthest_place(instance)
     rods = [rod.length for rod in problem.scene.all(Rod)]
-    unit = method.round_off * farthest_place(instance) / min([instance.scales.length, *rods])
+    unit = method.round_off * far / min([instance.scales.length, *rods])
     if method.control != "step":
         return ROUND_OFF_FACTOR * unit
     steps = steps_at(instance, method, level)
     scattered = 3.0 * math.sqrt(PLACE_ADDITIONS * steps / 3.0)
-    roundings = max(ROUND_OFF_FACTOR, scattered)
+    # PLACE_ADDITIONS n min(1, 2 u |r|/(h a T)).
+    spacing = 2.0 * method.round_off * far
+    change = level * start_acceleration(instance) * abs(float(instance.times[-1]))
+    alike = PLACE_ADDITIONS * steps
+    if change > spacing:
+        alike *= spacing / change
+    roundings = max(ROUND_OFF_FACTOR, scattered, alike)
     if _adds_equal_terms(instance.scene):
         roundings = max(roundings, steps)
     return roundings * unit * max(1.0, steps_of_differences(instance, method, steps))

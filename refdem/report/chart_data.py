@@ -36,7 +36,8 @@ class ChartData:
     """Input of one chart: its kind, rows as CSV, choices of its selector, styles, and what else its
     definition reads.
 
-    `defaults` are engines, each with its colour and its default step [s].
+    `defaults` are engines, each with its colour and its default step [s]. `axes` are the two
+    parameters of heat maps, each with its values.
     """
 
     kind: str
@@ -46,6 +47,7 @@ class ChartData:
     extents: dict[str, tuple[float, float]] = field(default_factory=dict)
     labels: tuple[str, ...] = ()
     defaults: tuple[tuple[str, str, float], ...] = ()
+    axes: tuple[tuple[str, tuple[str, ...]], ...] = ()
 
 
 def errors(contents: Contents, rows: Sequence[Row]) -> ChartData | None:

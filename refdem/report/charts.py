@@ -6,6 +6,7 @@ objects, takes two hundred times as long, more than all the rest of a report. Th
 every specification against Altair's schema.
 """
 
+import json
 import math
 from collections.abc import Iterator
 from typing import Any
@@ -29,6 +30,10 @@ FADED = 0.08
 """Opacity of a curve while its reader has chosen others in the legend."""
 CURVES = "curves"
 """Begins the names of the marks whose legend is clicked."""
+CELL = 26
+"""Pixels of a cell of a heat map, where there are few of them."""
+SIDES_OF_MAP = (150, 360)
+"""Least and most pixels of a side of a heat map."""
 ROWS = "rows"
 """The name of the rows of a chart, which all of its marks share."""
 PICKED = {"errors": "quantity", "costs": "quantity", "drifts": "check"}
@@ -43,9 +48,13 @@ def specification(data: ChartData) -> Spec:
         "drifts": _drifts,
         "overview": _overview,
         "sweeps": _sweeps,
+        "heat_maps": _heat_maps,
     }
     spec = drawers[data.kind](data)
-    params = [_chosen(data, spec)]
+    params = []
+    # A heat map has no series whose legend could be clicked.
+    if data.kind != "heat_maps":
+        params.append(_chosen(data, spec))
     if data.kind in PICKED:
         params.append(_picked(data, PICKED[data.kind]))
     view = {"continuousWidth": 300, "continuousHeight": 300}
@@ -374,3 +383,90 @@ def _sweep(data: ChartData, number: int, name: str) -> Spec:
         "width": 230,
         "height": 130,
     }
+
+
+def _heat_maps(data: ChartData) -> Spec:
+    """A heat map a method, with one scale of colours and one of dashes."""
+    return {
+        "data": _rows("map", "x", "y", "digits", "contour", "at"),
+        "concat": [_heat_map(data, number, name) for number, name in enumerate(data.choices)],
+        "columns": 2,
+        "spacing": 24,
+        "resolve": {"scale": {"color": "shared", "strokeDash": "shared"}},
+    }
+
+
+def _heat_map(data: ChartData, number: int, name: str) -> Spec:
+    """The heat map of one method: cells, contours over them, and signs of verdicts."""
+    x, y = (_values_of_axis(*axis, place) for axis, place in zip(data.axes, "xy", strict=True))
+    places = {"x": x, "y": y}
+    layers = [_cells(places), *_contours(places), *_signs(places)]
+    for layer in layers:
+        layer["transform"].insert(0, {"filter": f"datum.map == {number}"})
+    width, height = (_side_of_map(len(values)) for _, values in data.axes)
+    title = {"text": name, "fontSize": 11, "limit": 300}
+    return {"title": title, "layer": layers, "width": width, "height": height}
+
+
+def _side_of_map(values: int) -> int:
+    """Pixels of a side of a heat map with so many values."""
+    least, most = SIDES_OF_MAP
+    return min(max(CELL * values, least), most)
+
+
+def _values_of_axis(name: str, values: tuple[str, ...], place: str) -> Spec:
+    """The axis of a parameter: its values stand at 0, 1, 2 and so on, as they are written."""
+    axis = {
+        "values": list(range(len(values))),
+        "labelExpr": f"{json.dumps(values)}[datum.value]",
+        "labelOverlap": True,
+        "grid": False,
+    }
+    scale = {"domain": [-0.5, len(values) - 0.5], "nice": False, "zero": False}
+    return _quantity(place, title=name, scale=scale, axis=axis)
+
+
+def _cells(places: dict[str, Spec]) -> Spec:
+    """A square of unit sides around each place, coloured by its digits."""
+    edges = {"left": "x - 0.5", "right": "x + 0.5", "bottom": "y - 0.5", "top": "y + 0.5"}
+    encoding = {
+        "x": {**places["x"], "field": "left"},
+        "y": {**places["y"], "field": "bottom"},
+        "x2": {"field": "right"},
+        "y2": {"field": "top"},
+        "color": _quantity(
+            "digits", title="digits", scale={"scheme": "viridis", "domain": [0, 16]}
+        ),
+        "tooltip": _tips(*CELL_TIPS),
+    }
+    cells = _layer({"type": "rect"}, encoding, ["isValid(datum.digits)"])
+    sides = [{"calculate": f"datum.{where}", "as": edge} for edge, where in edges.items()]
+    cells["transform"] += sides
+    return cells
+
+
+CELL_TIPS = ("digits", "error", "step", "verdict")
+"""What is shown of a cell of a heat map, by the columns of its row."""
+
+
+def _contours(places: dict[str, Spec]) -> list[Spec]:
+    """Contours in black over white, as cells are dark and light; dashed by their digits."""
+    path = {**places, "detail": _name("piece"), "order": _quantity("at")}
+    dashes = {"domain": [3, 6, 9], "range": [[1, 3], [6, 4], [1, 0]]}
+    dashed = {**path, "strokeDash": _name("contour", title="contour [digits]", scale=dashes)}
+    on_contour = ["isValid(datum.contour)"]
+    return [
+        _layer({"type": "line", "stroke": "white", "strokeWidth": 2.5}, path, on_contour),
+        _layer({"type": "line", "stroke": "black", "strokeWidth": 1.2}, dashed, on_contour),
+    ]
+
+
+def _signs(places: dict[str, Spec]) -> list[Spec]:
+    """The signs of verdicts that are no pass, in black over white for the same reason."""
+    encoding = {**places, "text": _name("sign"), "tooltip": _tips(*CELL_TIPS)}
+    text = {"type": "text", "fontSize": 13, "fontWeight": "bold"}
+    has_sign = ["isValid(datum.sign) && datum.sign != ''"]
+    return [
+        _layer({**text, "stroke": "white", "strokeWidth": 3}, encoding, has_sign),
+        _layer({**text, "fill": "black"}, encoding, has_sign),
+    ]

@@ -143,10 +143,15 @@ def reasons(found: Sequence[Point]) -> list[str]:
     return [f"{words} ({number} of {len(found)} rows)" for words, number in counted.items()]
 
 
-def markdown(title: str, names: Sequence[str], found: Sequence[Point]) -> str:
-    """The table in Markdown, below a title, with the reasons below it."""
+def markdown(
+    title: str, names: Sequence[str], found: Sequence[Point], *, has_map: bool = False
+) -> str:
+    """The table in Markdown, below a title and the heat map, with the reasons below it."""
     lines = [list(map(markdown_text, point.shown())) for point in found]
-    parts = [f"# {markdown_text(title)}", table([*names, *SHOWN], lines)]
+    parts = [f"# {markdown_text(title)}"]
+    if has_map:
+        parts.append("![correct digits, with contours of 3, 6 and 9](sweep.svg)")
+    parts.append(table([*names, *SHOWN], lines))
     parts += [markdown_text(reason) for reason in reasons(found)]
     return "\n\n".join(parts) + "\n"
 

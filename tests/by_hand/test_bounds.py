@@ -24,6 +24,7 @@ from refdem.core.refinement import (
     round_off,
     scored,
     smoothness,
+    start_acceleration,
     steps_at,
     sweeping,
     truncation,
@@ -102,6 +103,35 @@ def test_places_far_away_are_rounded_by_their_distance():
     # The angle of a rod of 1/4 m is known to the rounding of its ends over its length.
     held = instance(bodies, (Rod(a=0, b=1, length=0.25),))
     assert of_far_places(held, method("exact"), 0.0) == 8 * U * 12 / 0.25
+
+
+def test_terms_that_are_nearly_equal_are_rounded_alike():
+    # A pendulum of l = 12 m in single precision, at 3 rad/s and 45 degrees: in polar coordinates
+    # a_r = -l w^2 = -108, a_t = -g sin 45 = -8.
+    root = sqrt(0.5)
+    bob = Body(mass=2.0, position=(12 * root, -12 * root, 0), velocity=(36 * root, 36 * root, 0))
+    hanging = (Rod(a=0, length=12.0), UniformGravity(g=(0.0, -8 / root, 0.0)))
+    pendulum = instance([bob], hanging)
+    acceleration = sqrt(108.0**2 + 8.0**2)
+    assert start_acceleration(pendulum) == near(acceleration)
+    assert start_acceleration(instance([bob], (SPRING,))) == 16.0
+    # A rod between two bodies that turn about each other at 2 rad/s: 4 s^-2 times 3 m and 1 m.
+    pair = [
+        Body(mass=1.0, position=(3.0, 0.0, 0.0), velocity=(0.0, 6.0, 0.0)),
+        Body(mass=3.0, position=(-1.0, 0.0, 0.0), velocity=(0.0, -2.0, 0.0)),
+    ]
+    assert start_acceleration(instance(pair, (Rod(a=0, b=1, length=4.0),))) == near(12.0)
+    single = method(precision="single")
+    # Steps that change by k spacings in all: rounded alike n times if k < 1, n/k times if not.
+    far = 12 * root * SINGLE / 4
+    for step in (2.0**-22, 2.0**-30):
+        steps = 8 / step
+        spacings = step * acceleration * 8 / (2 * 12 * root * SINGLE)
+        scattered = sqrt(6 * steps)
+        alike = 2 * steps / max(1.0, spacings)
+        assert alike > scattered
+        assert of_far_places(pendulum, single, step) == near(alike * far)
+    assert of_far_places(pendulum, single, 1 / 64) == near(sqrt(6 * 512) * far)
 
 
 def test_a_run_resolves_no_more_than_far_places_show():

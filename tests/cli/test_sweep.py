@@ -101,3 +101,14 @@ def test_an_empty_scheduler_is_refused() -> None:
     for empty in ("", " "):
         with pytest.raises(UsageError, match="--scheduler is empty; expected the address"):
             called(*SHORT, "--set", "theta0=1", "--scheduler", empty)
+
+
+def test_two_parameters_have_a_heat_map_and_one_has_none(tmp_path: Path) -> None:
+    asked = ("--method", "rattle", "--levels", "1", "--set", "theta0=0.5,1", "--out")
+    one = called(*SHORT, *asked, "one")
+    assert "heat map" not in one.stdout
+    assert not (tmp_path / "one/sweep.html").exists()
+    two = called(*SHORT, *asked, "two", "--set", "length=1,2")
+    assert two.stdout.splitlines()[-1] == f"heat map: {Path('two/sweep.html')}"
+    assert "(sweep.svg)" in (tmp_path / "two/sweep.md").read_text()
+    assert "reference rattle" in (tmp_path / "two/sweep.html").read_text()
