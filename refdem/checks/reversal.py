@@ -38,6 +38,7 @@ from refdem.core.trajectory import Trajectory
 from refdem.core.variant import Change, Variant
 from refdem.mechanics.quaternion import angle_between
 from refdem.scene import Scene
+from refdem.scene.elements.uniform_gravity import UniformGravity
 
 CANCELLING = 0.5
 """Order beyond the claimed one with which an error falls where its leading terms cancel."""
@@ -364,7 +365,41 @@ def _claimed_defect(subject: Subject, level: float) -> float:
     growth on the way forward, and S counts once.
     """
     reached = _claimed_forward_error(subject, level)
+    if _is_exact(subject):
+        return _defect_bound(subject, _rounding_come_back(subject, level), reached)
     return _defect_bound(subject, reached * _return_amplification(subject), reached)
+
+
+def _rounding_come_back(subject: Subject, level: float) -> float:
+    """Bound on what the roundings of one way have become at the start, D(s)^-1 e of each.
+
+    Roundings e of random sign add up to the root of the sum of squares. If they are spread over the
+    steps of the way, D(s)^-1 counts by its root mean square, and not by its largest value. Those of
+    equal terms, `flight`, stretch momenta and drift places. Where nothing but weight acts, that is
+    a motion scaled in time, and
+
+        D(s)^-1 e <= (1 + 2 T/tau) e,   if D(s)^-1 is not less.
+    """
+    assert subject.truth is not None
+    growth = subject.truth.growth()
+    # |D(s)^-1| <= S(s) times the columns, or S(s)^2, with S at the later end of each interval.
+    inverse = growth[1:] * np.minimum(_columns(subject), growth[1:])
+    if subject.method.control == "step":
+        mean_inverse = float(np.sqrt(np.mean(inverse**2)))
+    else:
+        mean_inverse = float(inverse[-1])
+    scattered, alike = _roundings(subject, level)
+    alike_grows = mean_inverse
+    if _are_bodies_free(subject):
+        scales = subject.instance.scales
+        alike_grows = min(mean_inverse, 1.0 + 2.0 * scales.duration / scales.tau)
+    return scattered * mean_inverse + alike * alike_grows
+
+
+def _are_bodies_free(subject: Subject) -> bool:
+    """True if nothing but weight acts on the bodies."""
+    elements = subject.instance.scene.elements
+    return all(isinstance(element, UniformGravity) for element in elements)
 
 
 def _return_amplification(subject: Subject) -> float:
@@ -375,11 +410,20 @@ def _return_amplification(subject: Subject) -> float:
     most S^2.
     """
     assert subject.truth is not None
+    return min(_columns(subject), float(subject.truth.growth()[-1]))
+
+
+def _columns(subject: Subject) -> float:
+    """Columns of D in which a row is not 0: two for each coordinate. Those of free bodies are
+    two for each coordinate of the centre of one body, or of its attitude.
+    """
     bodies = subject.instance.scene.bodies
-    columns = 2 * bodies.position.size
+    if _are_bodies_free(subject):
+        return 2.0 * float(bodies.position.shape[1])
+    columns = 2.0 * float(bodies.position.size)
     if "rotation" in subject.instance.scene.features:
-        columns *= 2
-    return min(float(columns), float(subject.truth.growth()[-1]))
+        columns *= 2.0
+    return columns
 
 
 def _defect_bound(subject: Subject, each: float, reached: float) -> float:
@@ -395,13 +439,22 @@ def _claimed_forward_error(subject: Subject, level: float) -> float:
     assert subject.truth is not None
     if not _is_exact(subject):
         return float(subject.bound(level)[-1])
-    # Round-off c u sqrt(2 n) of the steps of both ways and that of sums of equal terms, in flight,
-    # or that of far places if it is more; and that of the clock. All of it grows by S.
+    scattered, alike = _roundings(subject, level)
+    return (scattered + alike) * float(subject.truth.growth()[-1])
+
+
+def _roundings(subject: Subject, level: float) -> tuple[float, float]:
+    """Relative round-off of both ways before it grows: that of random sign with that of the clock,
+    and that of sums of equal terms.
+    """
+    # c u sqrt(2 n), and flight, or that of far places if it is more; and that of the clock.
     instance = subject.instance
-    near = math.sqrt(2.0) * subject.round_off(level) + flight(instance, subject.method, level)
+    scattered = math.sqrt(2.0) * subject.round_off(level)
+    alike = flight(instance, subject.method, level)
     far = math.sqrt(2.0) * of_far_places(instance, subject.method, level)
-    rounding = max(near, far) + clock(instance, subject.method, level)
-    return rounding * float(subject.truth.growth()[-1])
+    if far > scattered + alike:
+        scattered, alike = far, 0.0
+    return scattered + clock(instance, subject.method, level), alike
 
 
 def _defect_from_observed_error(

@@ -600,15 +600,35 @@ def test_a_reversible_method_comes_back_to_round_off_of_both_ways():
     _, found = back(
         lambda variant: 1e-3, claims=claims, known=known_of(growth=[1, 1, 1, 1, 3.0]), forward=1.0
     )
-    reached = sqrt(2.0) * ROUND_OFF * 3
-    # One body in space has six columns: more than S = 3.
-    expected = 2 * (3 * reached + reached**2 * 3)
+    each = sqrt(2.0) * ROUND_OFF
+    reached = each * 3
+    # One body in space has six columns: more than S = 3. Of S^2 = 1, 1, 1, 9 the root mean square.
+    expected = 2 * (each * sqrt(21.0) + reached**2 * 3)
     assert found["reversed"].value == near(1e-3, **LIKE)
     assert found["reversed"].bound == near(expected, rel=1e-9)
     steep = known_of(growth=[1, 1, 1, 1, 100.0])
     _, found = back(lambda variant: 1e-3, claims=claims, known=steep, forward=1.0)
-    reached = sqrt(2.0) * ROUND_OFF * 100
-    assert found["reversed"].bound == near(2 * (6 * reached + reached**2 * 100), rel=1e-9)
+    grown = sqrt((3 + 600.0**2) / 4)
+    expected = 2 * (each * grown + (each * 100) ** 2 * 100)
+    assert found["reversed"].bound == near(expected, rel=1e-9)
+    # A method that computes the end at once rounds there, where S is largest.
+    exact = method("exact", reversible=True)
+    _, found = back(lambda variant: 1e-3, claims=exact, known=steep, levels=(0.0,), forward=1.0)
+    once = sqrt(2.0) * 8 * U * 16
+    assert found["reversed"].bound == near(2 * (once * 600 + (once * 100) ** 2 * 100), rel=1e-9)
+
+
+@pytest.mark.parametrize(("largest", "stretched"), [(1.0, 1.0), (40.0, 33.0)])
+def test_roundings_of_equal_terms_stretch_the_motion_of_a_free_body(largest, stretched):
+    free = instance([BALL], (), times=TIMES, quantities={"x": 4.0})
+    known = known_of(growth=[1, largest, largest, largest, largest])
+    _, found = back(lambda variant: 1e-3, of=free, claims=method(reversible=True), known=known)
+    # Grown by S and six columns, S if it is 1, or as a time that is scaled: 1 + 2 T/tau.
+    inverse = min(6.0, largest) * largest
+    alike = U * 8 / H
+    each = sqrt(2.0) * ROUND_OFF
+    expected = 2 * (each * inverse + alike * stretched + ((each + alike) * largest) ** 2 * largest)
+    assert found["reversed"].bound == near(expected, rel=1e-9)
 
 
 def test_the_way_back_may_add_as_much_as_the_way_forward_is_seen_to_have():
@@ -616,8 +636,8 @@ def test_the_way_back_may_add_as_much_as_the_way_forward_is_seen_to_have():
     _, found = back(lambda variant: 0.0, claims=claims, known=known_of(growth=[1, 1, 1, 1, 3.0]))
     reached = 20 * ROUND_OFF
     seen = 2 * (reached * 3 + reached**2 * 3)
-    claimed_reach = sqrt(2.0) * ROUND_OFF * 3
-    claimed = 2 * (3 * claimed_reach + claimed_reach**2 * 3)
+    each = sqrt(2.0) * ROUND_OFF
+    claimed = 2 * (each * sqrt(21.0) + (each * 3) ** 2 * 3)
     assert found["reversed"].bound == near(min(seen, claimed), rel=1e-9)
 
 

@@ -218,3 +218,21 @@ def test_steps_that_may_end_before_they_see_the_first_impact_decide_nothing():
     assert "may come later than the end of the run back" in why
     assert _meets_too_soon(subject, 4e-4, 0.0) is None
     assert _meets_too_soon(Subject(instance, method, (0.0,), truth), 0.0, 0.0) is None
+
+
+def test_a_drag_too_small_for_the_largest_growth_shows_on_the_way_back_of_a_tumbling_body():
+    """S is 2648 at the end of the last flip, and 140 for most of the way: with S of the end for
+    each rounding and each of 12 columns the bound was 3.4e-8.
+    """
+    given = {"inertia": "3,2,1", "attitude": "1,2,-1,0.5", "direction": "3", "duration": "24"}
+    instance = discovery.case("intermediate-axis").at(**given)
+    truth = truth_of(instance)
+    lossy = lossy_on_the_way_back(instance.scene.bodies, 5e-9)
+    records = [
+        record_of(task_of(carrier, "splitting-free-body", instance, truth, 4, ("reversal",)))
+        for carrier in (ENGINE, lossy.carrier(ENGINE))
+    ]
+    sound, lost = ({f.quantity: f for f in record.findings} for record in records)
+    assert sound["reversed"].outcome == "pass"
+    assert sound["reversed"].bound < 1e-9
+    assert lost["reversed"].outcome == "fail", lost["reversed"].sentence

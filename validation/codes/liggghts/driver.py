@@ -209,14 +209,17 @@ def main(program, request_json, trajectory):
     border.write(trajectory, table)
 
 
+def version(program):
+    """The version that LIGGGHTS says as it starts: "LIGGGHTS (Version LIGGGHTS-PUBLIC 3.8.0, ...)".
+
+    `-h` would say it too, but LIGGGHTS 3.8.0 of Debian ends that with status 1.
+    """
+    said_first = said(program, "-log", "none", "-in", os.devnull).strip()
+    return said_first.removeprefix("LIGGGHTS (Version ").partition(",")[0]
+
+
 if __name__ == "__main__":
     if len(sys.argv) == 2:
-        print(
-            next(
-                line
-                for line in said(sys.argv[1], "-log", "none", "-h").splitlines()
-                if line.strip()
-            )
-        )
+        print(version(sys.argv[1]))
     else:
         main(*sys.argv[1:])
