@@ -1,7 +1,7 @@
 """Which kernel families there are, and the cffi glue of each; called by meson.
 
-`build.py` alone prints the families: every C file of this folder is one. `build.py FAMILY OUTPUT.c`
-writes the glue of one.
+`build.py` alone prints the families: every C file of this folder is one. `build.py FOLDER` writes
+the glue of all of them there: starting cffi takes longer than what it writes.
 """
 
 import re
@@ -45,17 +45,20 @@ def declared(family: str) -> tuple[str, str]:
     )
 
 
-def write_glue(family: str, output: str) -> None:
-    """Writes the C source of the extension `refdem.kernels._<family>`."""
+def write_glue(family: str, folder: Path) -> None:
+    """Writes the C source of the extension `refdem.kernels._<family>`; one that is the same stays
+    as it is.
+    """
     header, declarations = declared(family)
     ffi = FFI()
     ffi.cdef(declarations)
     ffi.set_source(f"refdem.kernels._{family}", f'#include "{header}"')
-    ffi.emit_c_code(output)
+    ffi.emit_c_code(str(folder / f"_{family}_glue.c"))
 
 
 if __name__ == "__main__":
     if sys.argv[1:]:
-        write_glue(*sys.argv[1:])
+        for family in families():
+            write_glue(family, Path(sys.argv[1]))
     else:
         print("\n".join(families()))
