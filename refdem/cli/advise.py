@@ -65,8 +65,8 @@ def command(
     """Recommends a method and a step for the accuracy that you need, and says what it costs.
 
     A number of digits d is held where the error against certified truth is at most 10^-d of the
-    scale of each quantity, over the whole run. What is measured is kept, and asked again in no
-    time. Exit status 1 if no method holds the digits in all settings.
+    scale of each quantity, over the whole run. What is measured is kept, and a second
+    question is answered from it. Exit status 1 if no method holds the digits in all settings.
 
     With --rules: the steps that YADE, exaDEM, MFIX-Exa, MercuryDPM, Lethe and LIGGGHTS choose,
     accept or show for the contacts of these cases, each beside the limit of stability 2/omega of
