@@ -40,7 +40,7 @@ AUDIT = (
         "no such thing",
         "k d^n between every pair of spheres that overlap, in the callback",
         "leapfrog only: the other integrators step over a discontinuity of a force, or reduce their"
-        " step without limit; damped contacts need velocities, which leapfrog has half a step later",
+        " step without limit; damped contacts need velocities, which leapfrog has half a step off",
     ),
     Default(
         "force_is_velocity_dependent",
