@@ -53,6 +53,7 @@ and for discrete elements stand side by side: a case asks the same of both.
   that shows it without refdem, and the place in the code or its documents.
 - **Worse** and **lost** compare with what the gate accepted before, and say nothing of a bound;
   **undecided** is what no bound could tell.
+- **Steps** that DEM codes choose or recommend for contacts, judged: [steps.md](../steps.md).
 - **Empty cells** say why in a word, and as a title in full.
 
 `make field CODES=NAME` runs a code again; `ci/field/field.py --page` makes this page anew from the

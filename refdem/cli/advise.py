@@ -3,6 +3,7 @@
 import math
 from collections import Counter
 from collections.abc import Iterable
+from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
@@ -49,19 +50,39 @@ def command(
         float, typer.Option(help="Correct digits that are wanted.", min=0.0, max=MOST_DIGITS)
     ] = 3.0,
     set: options.Settings = None,
+    rules: Annotated[
+        bool,
+        typer.Option(
+            "--rules", help="Show the steps that DEM codes choose or accept for these contacts."
+        ),
+    ] = False,
+    out: Annotated[
+        Path | None, typer.Option(help="With --rules: folder for steps.md, the same as a page.")
+    ] = None,
     jobs: options.Jobs = None,
     json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
 ) -> None:
     """Recommends a method and a step for the accuracy that you need, and says what it costs.
 
     A number of digits d is held where the error against certified truth is at most 10^-d of the
-    scale of each quantity, over the whole run. What is measured is kept, and asked again in no
-    time. Exit status 1 if no method holds the digits in all settings.
+    scale of each quantity, over the whole run. What is measured is kept, and a second
+    question is answered from it. Exit status 1 if no method holds the digits in all settings.
+
+    With --rules: the steps that YADE, exaDEM, MFIX-Exa, MercuryDPM, Lethe and LIGGGHTS choose,
+    accept or show for the contacts of these cases, each beside the limit of stability 2/omega of
+    velocity Verlet, and its error with that step.
 
     Example: refdem advise --motion spinning --engine mujoco --digits 3
     """
     from refdem.report import advice
 
+    if rules:
+        from refdem.cli.step_rules import show
+
+        show(asked(case or [], set or [], motion), out, json=json)
+        return
+    if out is not None:
+        raise UsageError("got --out without --rules; expected both, or neither")
     contents = measured(asked(case or [], set or [], motion), engine or [], jobs, CHECKS)
     found = advice.recommendations(advice.choices(contents, digits))
     losses = advice.losses(contents)

@@ -46,6 +46,7 @@ _FRAME = (
     "progress",
     "skeleton",
     "starter",
+    "step_rules",
     "summary",
     "without_effect",
 )

@@ -15,7 +15,7 @@ def command(
     """Computes figures of the source chapter in the reference and draws them: gallery.html,
     gallery.md, a picture each.
 
-    Figures that the folder has already, and that are not asked for, stay as they are.
+    Figures that the folder has already, and that are not named, stay as they are.
 
     Example: refdem gallery 1.15 1.20 --out gallery
     """

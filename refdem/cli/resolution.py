@@ -46,9 +46,9 @@ def command(
     """Finds the smallest relative misreading of each number of a scene that a run would notice.
 
     Each number (a mass, a stiffness, a friction, a start, ...) is multiplied by 1 + a in every
-    request that an engine gets, and its runs are judged as if it had been read right. The smallest
-    a at which some finding fails is found by trial, between 1e-12 and 1. Nothing is said of what is
-    right: a pass is worth what it would have seen. Exit status 0.
+    request that an engine gets, and its runs are judged as if it had been read correctly. The
+    smallest a at which some finding fails is found by trial, between 1e-12 and 1. The result says
+    what a pass excludes, not whether the engine is right. Exit status 0.
 
     Example: refdem resolution hard-spheres --engine pymunk --engine rebound
     """

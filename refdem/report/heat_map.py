@@ -100,7 +100,7 @@ def contours(columns: int, rows: int, cells: dict[Place, Point]) -> dict[int, li
         measured = correct_digits(point)
         if measured is not None:
             digits[row, column] = measured
-    generator = contour_generator(z=np.ma.masked_invalid(digits))
+    generator = contour_generator(z=np.ma.masked_invalid(digits), corner_mask=False)
     return {
         level: [np.asarray(polygon) for polygon in generator.lines(level)] for level in CONTOURS
     }

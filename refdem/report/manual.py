@@ -18,7 +18,7 @@ from refdem.report.numbers import two
 CSS = Path(__file__).with_name("assets") / "report.css"
 FEW = 24
 """Quantities that a page lists one by one; more are listed by name."""
-NOBODY = "**nobody**: no witness"
+NOBODY = "**none**: no independent witness"
 CHAPTER_TITLE = "The source chapter, item by item"
 CHAPTER_WORDS = (
     "What has a number in the source chapter, and what else it states that can be run: the case"

@@ -133,9 +133,9 @@ def _advice(contents: Contents) -> str:
         return ""
     head = ["motion", "engine", "settings", *(f"{digits} digits" for digits in WANTED)]
     note = (
-        "The method that holds so many digits in most settings, of these the one with the fewest"
-        " steps, with the steps that it needs in the shortest time tau of a motion. ~ is"
-        " extrapolated by the measured order. What a step costs depends on the machine: the"
+        "For each number of digits the method that reaches it in the most settings, of equals the"
+        " one with the fewest steps, with its steps per shortest time tau of a motion. ~ marks what"
+        " is extrapolated by the measured order. What a step costs depends on the machine: the"
         " command refdem advise measures it."
     )
     return f"## Which method, which step?\n\n{note}\n\n{table(head, lines)}"

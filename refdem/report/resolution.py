@@ -18,12 +18,12 @@ PAGE = "resolution.md"
 DATA = "resolution.jsonl"
 """Beside the page: what it shows, a line for each method on each case."""
 
-INTRODUCTION = """# Resolution: what a pass would have seen
+INTRODUCTION = """# Resolution: the smallest misreading that a pass excludes
 
 Each number of a scene was misread by a factor 1 + a in every request that an engine got, and its
-runs were judged as if it had been read right. The table has the smallest a at which some finding
-fails, and the finding that is farthest beyond its bound there. `refdem resolution CASE --engine E`
-measures it anew; trials lie within a factor of 1.5 of each other.
+runs were judged as if it had been read correctly. The table has the smallest a at which some
+finding fails, and the finding that is farthest beyond its bound there. `refdem resolution CASE
+--engine E` measures it anew; trials lie within a factor of 1.5 of each other.
 """
 
 

@@ -121,8 +121,8 @@ def test_a_case_without_a_witness_is_red_and_the_other_is_not(home: Path) -> Non
         for line in (home / "index.md").read_text().splitlines()
         if line.startswith("| [")
     }
-    assert "**nobody**" in lines["[top](top.md)"]
-    assert "**nobody**" not in lines["[bottom](bottom.md)"]
+    assert "**none**" in lines["[top](top.md)"]
+    assert "**none**" not in lines["[bottom](bottom.md)"]
     assert (home / "index.html").read_text().count('class="outcome fail"') == 1
 
 

@@ -48,7 +48,7 @@ class Lammps(Crowd):
         """None for a gas in a periodic box, else why it cannot be moved."""
         if gas.periodic:
             return None
-        return "asked for the periodic box alone"
+        return "LAMMPS is benchmarked in a periodic box only"
 
     def seconds(self, gas: Gas, steps: int) -> float:
         """The seconds of its loop; raises EngineError with the end of its output if it fails."""

@@ -38,8 +38,8 @@ from refdem.errors import EngineError, HangError, UsageError
 READY = '{"ready": true}'
 """The first line of a program that stays alive."""
 ADVICE = (
-    "standard output is for answers alone; write messages to standard error, and lead what"
-    " libraries print there too (docs/programs.md, A program that stays alive)"
+    "standard output is reserved for answers; write messages to standard error, those of"
+    " libraries included (docs/programs.md, A program that stays alive)"
 )
 MOST_SERVED = 8
 """Most programs that one thread keeps alive, those that it used last."""

@@ -25,7 +25,7 @@ _MODEL = (
         "a dashpot's, else 0",
         "the same along every slide joint, as a dashpot is; Euler takes it implicitly",
     ),
-    Default("joint armature", "0", "0", "nothing that the scene does not say"),
+    Default("joint armature", "0", "0", "nothing that the scene does not specify"),
     Default(
         "inertia of a point on a rod",
         "at least mjMINVAL = 1e-15 kg m^2",
@@ -44,14 +44,14 @@ _MODEL = (
         "-",
         "mjcb_passive, called in every stage at its own time, places and velocities",
         "drives, central and piecewise fields, fluids that turn, springs and dashpots that no joint"
-        " or tendon says; controls and applied forces are constant over a step, also within"
+        " or tendon can express; controls and applied forces are constant over a step, also within"
         " Runge-Kutta; the callback is compiled",
     ),
     Default(
         "bodies that do not turn",
         "-",
         "slide joints along the axes of the motion",
-        "the rest would stay put",
+        "coordinates that nothing moves would add only work",
     ),
 )
 

@@ -64,9 +64,9 @@ EULER_AS_SHIPPED = replace(
     EULER,
     name="euler-as-shipped",
     summary=(
-        "the same with MuJoCo's defaults: contacts and dry friction as soft as solref and solimp"
-        " come, a pyramid for Coulomb's cone, a solver that ends at 1e-8 and goes on from the last"
-        " step"
+        "the same with MuJoCo's defaults: solref and solimp of contacts and dry friction, a pyramid"
+        " for Coulomb's cone, and a solver with tolerance 1e-8 that starts from the solution of the"
+        " last step"
     ),
     complete_state=False,
     as_shipped=True,

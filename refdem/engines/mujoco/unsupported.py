@@ -137,7 +137,9 @@ def _of_rigid_contact(scene: Scene, law: Contact) -> str | None:
     if law.restitution > 0:
         return engine_cannot("a coefficient of restitution")
     if not scene.all(UniformGravity):
-        return engine_cannot("impacts without rebound: its contacts are springs that give back")
+        return engine_cannot(
+            "impacts with restitution 0: its contacts are springs, which return energy"
+        )
     solids = [shape for shape in scene.bodies.shape if isinstance(shape, Polyhedron)]
     if any(box_sides(solid) is None for solid in solids):
         return adapter_lacks("polyhedra other than boxes")

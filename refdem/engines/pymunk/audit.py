@@ -71,7 +71,7 @@ AUDIT = (
         "Euler",
         "the same after the forces at the new place and the clock's end of the step",
         "drives, central and piecewise fields, fluids that turn, dashpots that Space.damping cannot"
-        " say; the callback is compiled",
+        " express; the callback is compiled",
     ),
     Default(
         "DampedSpring.force_func",

@@ -39,8 +39,8 @@ AUDIT = (
         "soft contacts",
         "no such thing",
         "k d^n between every pair of spheres that overlap, in the callback",
-        "leapfrog alone: a step of the others passes the edge of a force unseen, or shrinks to"
-        " nothing; damped contacts need velocities, which leapfrog has half a step apart",
+        "leapfrog only: the other integrators step over a discontinuity of a force, or reduce their"
+        " step without limit; damped contacts need velocities, which leapfrog has half a step off",
     ),
     Default(
         "force_is_velocity_dependent",
@@ -144,8 +144,8 @@ AUDIT = (
         "-",
         "ias15-as-shipped sets gravity none, the collisions of the scene and its forces, and"
         " nothing else",
-        "what a scene does not say stays: without forces ias15 doubles its step until a sample"
-        " cuts it, and collisions are seen at the ends of such steps alone",
+        "all else keeps its default: without forces ias15 doubles its step up to the next sample,"
+        " and collisions are detected at the ends of such steps only",
     ),
     Default(
         "warnings",
