@@ -5,6 +5,8 @@ within the step is practically random, so that one run may by chance have nearly
 same run with another step, or backward in time, has one.
 """
 
+from collections.abc import Mapping, Sequence
+
 import numpy as np
 
 from refdem.checks.contact_impulse import alternating_slip
@@ -19,6 +21,10 @@ OWN_SHARE = 0.1
 """Part of the largest of any quantity, of a change at a halving or of a rate, that a single
 quantity is given at least. A quantity whose own is smaller may owe it to terms that cancel.
 """
+SEVERAL = 3
+"""Halvings of the step at which the changes of a quantity show that it has a part of its own."""
+ALIKE = 2.0
+"""Factor within which the parts that a quantity has at several halvings are the same part."""
 
 
 def may_straddle(subject: Subject) -> bool:
@@ -43,6 +49,26 @@ def sharpest_kink(subject: Subject, step: float, run: Trajectory) -> float:
     if jumping == {"contact:friction"} and alternating_slip(subject, run, step) == 0.0:
         return min(law.exponent for law in scene.all(Contact))
     return sharpest
+
+
+def least_shares(changes: Mapping[str, Sequence[Array]]) -> dict[str, Array]:
+    """Part (count,) of the largest change of any quantity that each quantity is given at least, by
+    the changes so far (count,) of every quantity at each halving.
+
+    One kink that scatters errors scatters those of all quantities alike: the change of a quantity
+    is the same part of the largest at every halving. Terms of several kinks that cancel by chance
+    leave another part at the next halving. So a part that is the same within ALIKE at SEVERAL
+    halvings or more is that of the quantity, and it is given OWN_SHARE^2; others OWN_SHARE.
+    """
+    largest = np.maximum.reduce([np.array(own) for own in changes.values()])
+    shares = {}
+    for name, own in changes.items():
+        # Parts c_q/c of the change c_q at each halving; none where nothing has changed.
+        parts = np.divide(own, largest, out=np.zeros_like(largest), where=largest > 0)
+        least, most = parts.min(axis=0), parts.max(axis=0)
+        is_own = (len(parts) >= SEVERAL) & (least > 0) & (most <= ALIKE * least)
+        shares[name] = np.where(is_own, OWN_SHARE**2, OWN_SHARE)
+    return shares
 
 
 def straddled(subject: Subject, step: float, run: Trajectory, count: int) -> dict[str, Array]:

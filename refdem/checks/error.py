@@ -8,7 +8,7 @@ from itertools import pairwise
 import numpy as np
 
 from refdem.checks._beside_impacts import errors_of, left_by_late_impacts
-from refdem.checks._kinks import OWN_SHARE, may_straddle, sharpest_kink, straddled
+from refdem.checks._kinks import least_shares, may_straddle, sharpest_kink, straddled
 from refdem.core.case import Instance
 from refdem.core.check import Check, CompletedRun, Subject
 from refdem.core.finding import Finding, Level
@@ -237,7 +237,7 @@ def _error_from_halvings(
     With an error e(h) = C h^p the run changes by (2^p - 1) e(h/2) from h to h/2. So e(h/2) is at
     most PREDICTION_FACTOR times that change over 2^p - 1, whatever C is. Where terms of the last
     change cancel, 2^-p times the change before may be larger, and is taken. Each quantity has the
-    bound that follows from its own changes, or from a part OWN_SHARE of the largest of any
+    bound that follows from its own changes, or from a part (`least_shares`) of the largest of any
     quantity.
 
     Where kinks scatter C from step to step, an error is still part of the change to either side of
@@ -297,15 +297,22 @@ def _implied_changes(
     """The change (count,) of every quantity at the last halving: the running maximum of that change
     and of those that earlier halvings imply for it.
     """
+    so_far = {
+        name: [np.maximum.accumulate(change[name]) for change in changes] for name in changes[-1]
+    }
     own = {}
-    for name in changes[-1]:
-        implied = [change[name] / ratio**k for k, change in enumerate(reversed(changes))]
-        own[name] = np.maximum.accumulate(np.maximum.reduce(implied))
+    for name, of_levels in so_far.items():
+        implied = [change / ratio**k for k, change in enumerate(reversed(of_levels))]
+        own[name] = np.maximum.reduce(implied)
     largest = np.maximum.reduce(list(own.values()))
     if subject.method.control == "tolerance":
         # A few steps with chosen orders say little, so the change of the whole run counts.
         return {name: np.full_like(largest, largest[-1]) for name in own}
-    return {name: np.maximum(change, OWN_SHARE * largest) for name, change in own.items()}
+    shares = least_shares(so_far)
+    return {
+        name: np.maximum(change, np.maximum.accumulate(shares[name] * largest))
+        for name, change in own.items()
+    }
 
 
 def _ratio_of(subject: Subject, changes: list[Array], rounding: Array) -> float | None:

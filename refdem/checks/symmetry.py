@@ -23,7 +23,6 @@ from refdem.core.judgement import (
     KINK_PREDICTION_FACTOR,
     MORE,
     PERTURBED,
-    PREDICTION_FACTOR,
     certified,
     distances,
     followed,
@@ -646,7 +645,8 @@ def _difference_of_step_choices(
 
     Where a method chooses its order as well as its step, the error is a step function of the
     tolerance, so a run and its image may differ by one of these steps; the error at the next looser
-    tolerance is above both. Without truth for the whole motion it is infinite.
+    tolerance is above both, but for the scatter `room_of` that kinks leave. Without truth for the
+    whole motion it is infinite.
     """
     unknown = np.full(len(growth), np.inf)
     truth = certified(subject)
@@ -654,7 +654,7 @@ def _difference_of_step_choices(
     if truth is None or truth.until < len(growth) or looser is None:
         return unknown
     observed = float(largest_so_far(subject, looser, runs[Variant(looser)].trajectory, truth)[-1])
-    bound: Array = PREDICTION_FACTOR * observed + _many_roundings(subject, image) * growth
+    bound: Array = room_of(subject) * observed + _many_roundings(subject, image) * growth
     return bound
 
 

@@ -385,6 +385,20 @@ def test_a_right_program_that_was_accused_once_is_not_any_more(label, program, m
     assert count.alarms == []
 
 
+def test_an_image_of_a_run_at_a_tolerance_has_the_room_of_errors_that_a_jump_scatters():
+    """Its errors at tolerances 1e-6, 1e-8 and 1e-10 are 2.6e-9, 1.3e-10 and 1.3e-12; a boost makes
+    the steps as long as at a tolerance between the last two, and the error is 1.6e-9.
+    """
+    label = (
+        "two-spheres[masses=0.00111,0.0704 radii=0.0577,3.64 damping=5.36 angle=1.5"
+        " spins=-0.0105,0.00566,1.4,-0.524,1.25,-0.00114 cutoff=zero_force duration=0.0002039"
+        " samples=16]"
+    )
+    count = alarms.repeated(label, "soft-adaptive", "adaptive", 4, 4000.0)
+    assert count.outcomes["pass"] > 20
+    assert count.alarms == []
+
+
 FLAT = (
     "rigid-cluster[masses=0.289,5.61,1.9,1.07"
     " positions=0.114,0.307,1.09,-180,528,-0.292,-13.6,0.366,0.341,-36.6,-0.164,-0.644]"
