@@ -16,6 +16,7 @@ import numpy as np
 import pytest
 
 from refdem.bench.memory import reset_peak, resident
+from refdem.planning.exchange import FORMAT
 from tests.planning.test_exchange import TOML, run
 
 Command = Callable[..., "subprocess.CompletedProcess[str]"]
@@ -213,7 +214,10 @@ MANIFESTS: "dict[str, tuple[Damage, str]]" = {
     "endless manifest": (endless("manifest.json"), "more than 67108864 bytes"),
     "a list": (writes("manifest.json", "[1, 2]"), "Expected `object`, got `array`"),
     "an unknown field": (manifest(shell="rm -rf ~"), "unknown field `shell`"),
-    "a newer format": (manifest(format=2), "has format 2; expected 1"),
+    "a newer format": (
+        manifest(format=FORMAT + 1),
+        f"has format {FORMAT + 1}; expected {FORMAT}",
+    ),
     "a format beyond all integers": (
         writes("manifest.json", '{"format": %s}' % ("9" * 5000)),
         "manifest.json",
