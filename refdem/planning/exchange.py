@@ -203,7 +203,7 @@ def _last_words(file: BinaryIO) -> str:
         return one_line(file.read().decode(errors="replace").strip()[-LAST_WORDS:])
 
 
-def _plain(path: Path) -> Path:
+def plain(path: Path) -> Path:
     """The path; raises UsageError if it is a link, a pipe or a device, since the folder was filled
     on another machine.
     """
@@ -223,7 +223,7 @@ def answers(folder: Path) -> dict[str, dict[str, Any]]:
     """
     found: dict[str, dict[str, Any]] = {}
     for path in sorted(folder.glob(ANSWERS)):
-        for line in content(_plain(path), "the lines that a program answered").splitlines():
+        for line in content(plain(path), "the lines that a program answered").splitlines():
             try:
                 said = json.loads(line)
             except UNREADABLE:
@@ -310,7 +310,7 @@ def read(folder: Path) -> Manifest:
     """The manifest of an export; raises UsageError if there is none, or if another refdem wrote
     it.
     """
-    path = _plain(folder / MANIFEST)
+    path = plain(folder / MANIFEST)
     manifest = json_as(Manifest, content(path, "a folder that `refdem export` wrote"), str(path))
     if manifest.format != FORMAT:
         raise UsageError(f"{path} has format {manifest.format}; expected {FORMAT}: export again")
@@ -343,7 +343,7 @@ def _campaign(
     with contextlib.ExitStack() as here:
         engines = []
         for name in names:
-            path = _plain(folder / f"{name}.toml")
+            path = plain(folder / f"{name}.toml")
             described = discovery.engine(str(path))
             if described.name != name:
                 raise UsageError(
