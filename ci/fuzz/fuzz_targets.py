@@ -580,7 +580,7 @@ def of_records() -> list[bytes]:
 
 
 MANIFEST = {
-    "format": 1,
+    "format": exchange.FORMAT,
     "refdem": refdem.__version__,
     "case": [{"id": "pendulum", "set": {"theta0": "2"}}],
     "levels": 4,

@@ -23,6 +23,8 @@ POISSON = 0.25
 """Poisson's ratio of a material of which a scene under Hertz's law has the stiffness alone."""
 MOST_SAMPLES = 256
 """Largest number of samples of a run; each sample interval takes a whole number of steps."""
+MOST_SPHERES = 64
+"""Largest number of spheres, each of which may touch each."""
 METHOD = "velocity-verlet"
 """The method of most DEM codes, whose limit of stability is 2/omega."""
 
@@ -262,6 +264,11 @@ def judged(instance: Instance) -> list[Judged]:
 
     Raises UsageError without a soft contact of spheres, or without certified truth.
     """
+    if isinstance(instance.case, Case) and len(instance.scene.bodies.shape) > MOST_SPHERES:
+        raise UsageError(
+            f"{instance.label}: got {len(instance.scene.bodies.shape)} bodies; expected at most"
+            f" {MOST_SPHERES}, each of which may touch each"
+        )
     if not isinstance(instance.case, Case) or not pairs(instance.scene):
         raise UsageError(
             f"{instance.label}: got a scene without spheres that touch under a law with a"

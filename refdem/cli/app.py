@@ -40,6 +40,7 @@ def _common(
 _FRAME = (
     "__init__",
     "app",
+    "blessing",
     "completion",
     "options",
     "outputs",

@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from refdem.cli import options
+from refdem.cli.blessing import accept, refuse_without_why, verdict
 from refdem.core.outside import one_line
-from refdem.errors import UsageError
 
 if TYPE_CHECKING:
     from refdem.core.finding import Sheet
@@ -64,8 +64,7 @@ def command(
     from refdem.report import write_report
     from refdem.report.files import written_to
 
-    if bless and not why.strip():
-        raise UsageError("--bless requires --why: state briefly why these findings are correct")
+    refuse_without_why(why, is_asked=bless)
     for option, file in (("--junit", junit), ("--sarif", sarif), ("--markdown", markdown)):
         refuse_unwritable_file(file, option)
     if out is not None:
@@ -89,13 +88,16 @@ def command(
 
 def _judged(gate: "Gate", *, bless: bool, why: str) -> "list[Sheet]":
     """The sheets of the gate, which become its baseline or are compared with that."""
+    from refdem.core.finding import Record
+
     has_baseline = gate.baseline.is_file()
     # A baseline that cannot be read is refused before any program runs.
     if has_baseline:
         gate.accepted()
     sheets = gate.sheets()
     if bless:
-        _bless(gate, sheets, why)
+        records = [sheet for sheet in sheets if isinstance(sheet, Record)]
+        accept(gate.baseline, gate.engine.name, records, why)
     elif has_baseline:
         sheets = gate.against_baseline(sheets)
     return sheets
@@ -124,33 +126,8 @@ def _verdict(gate: "Gate", status: int) -> int:
         )
         print(one_line(advice))
         return 1
-    state = "open"
-    if status:
-        state = "closed"
-    print(f"the gate of {gate.engine.name} is {state}")
+    print(verdict([gate.engine.name], status))
     return status
-
-
-def _bless(gate: "Gate", sheets: "list[Sheet]", why: str) -> None:
-    """Writes the baseline and shows what it changes."""
-    from refdem.core.finding import Record, findings_of
-    from refdem.gate import baseline
-    from refdem.gate.baseline import Accepted
-
-    records: list[Record] = [sheet for sheet in sheets if isinstance(sheet, Record)]
-    before: dict[str, Accepted] = {}
-    if gate.baseline.is_file():
-        before = gate.accepted()
-    for line in baseline.differences(before, records):
-        print(one_line(line))
-    count = baseline.write(gate.baseline, records, why)
-    print(one_line(f"baseline {gate.baseline}: {count} findings accepted"))
-    failing = sum(finding.outcome == "fail" for _, finding in findings_of(records))
-    if failing:
-        print(
-            f"{failing} of them fail, which no baseline can accept: correct the program or a claim"
-            " in its refdem.toml, or explain the deviation there in an [[expected]] entry"
-        )
 
 
 def _write(sheets: "list[Sheet]", toml: Path, junit: Path | None, sarif: Path | None) -> None:

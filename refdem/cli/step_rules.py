@@ -1,9 +1,12 @@
 """The table of `refdem advise --rules`: steps of DEM codes, the limit of stability, and errors."""
 
 import json as encoder
+import sys
 from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
+
+from refdem.errors import UsageError
 
 if TYPE_CHECKING:
     from refdem.bench.step_rules import Judged
@@ -26,16 +29,25 @@ which follows from Hertz's stiffness with Poisson's ratio 1/4."""
 def show(specification: "Specification", out: Path | None, *, json: bool) -> None:
     """Prints the table, or JSON; writes steps.md into `out` as well if it is given.
 
-    Raises UsageError for a setting without a rule.
+    Settings to which no rule applies are listed on standard error. Raises UsageError if there is no
+    other.
     """
     from refdem.bench.step_rules import judged
     from refdem.core import discovery
     from refdem.report.files import written
 
     found: dict[str, list[Judged]] = {}
+    refused: list[UsageError] = []
     for entry in specification.case:
         instance = discovery.case(entry.id).at(**entry.set)
-        found[instance.label] = judged(instance)
+        try:
+            found[instance.label] = judged(instance)
+        except UsageError as error:
+            refused.append(error)
+    if not found:
+        raise refused[0]
+    for reason in refused:
+        print(reason, file=sys.stderr)
     if out is not None:
         written(out / "steps.md", markdown(found))
     if json:

@@ -76,6 +76,13 @@ def _escaped(text: str) -> str:
     return MARKED.sub(r"\\\g<0>", html)
 
 
+def in_file_name(text: str, most: int = 80) -> str:
+    """The text as a part of a file name, safe on any file system: lower case, with "-" for other
+    characters than letters, digits and . = _ -; of different texts it may be the same.
+    """
+    return re.sub(r"[^a-z0-9.=_-]+", "-", text.lower()).strip("-.")[:most]
+
+
 def cell(value: object) -> object:
     """A cell of a CSV file; a text that a spreadsheet would take for a formula begins with an
     apostrophe.

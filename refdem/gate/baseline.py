@@ -75,7 +75,7 @@ def read(path: Path, engine: str = "") -> tuple[Header, dict[str, Accepted]]:
             f"no baseline {path}; look at the findings, then accept them with: refdem gate --bless"
             ' --why "first baseline"'
         )
-    lines = content(path, "a baseline that `refdem gate --bless` wrote").splitlines()
+    lines = content(path, "a baseline that `--bless` wrote").splitlines()
     if not lines:
         raise UsageError(f"baseline {path} is empty; restore it from version control")
     header = json_as(Header, lines[0], f"baseline {path}, line 1")
@@ -98,7 +98,7 @@ def read(path: Path, engine: str = "") -> tuple[Header, dict[str, Accepted]]:
     if engine and header.engine != engine:
         raise UsageError(
             f"baseline {path} is that of {one_line(header.engine, 80)!r}; expected one of"
-            f" {engine!r}: name that with --baseline, or delete this one and bless anew"
+            f" {engine!r}: put that in its place, or delete this one and bless anew"
         )
     return header, {entry.id: entry for entry in entries}
 
@@ -120,7 +120,7 @@ def _refuse_wrong_ids(path: Path, entries: list[Accepted]) -> None:
         if not entry.id.isprintable():
             raise UsageError(
                 f"{where}: id {shown} has characters that do not print; expected one that"
-                " `refdem gate --bless` wrote"
+                " `--bless` wrote"
             )
         if entry.id in ids:
             raise UsageError(f"{where}: {shown} is listed twice; remove one, or bless again")
@@ -135,11 +135,7 @@ def write(path: Path, records: list[Record], why: str) -> int:
     """
     if not why.strip():
         raise UsageError("--bless requires --why: state briefly why these findings are correct")
-    entries = [
-        accepted(record, finding)
-        for record, finding in findings_of(records)
-        if finding.outcome in DECIDED
-    ]
+    entries = list(_decided(records).values())
     if not entries:
         raise UsageError(
             f"nothing was decided, so there is nothing to accept; baseline {path} is unchanged;"
@@ -169,19 +165,30 @@ def differences(before: dict[str, Accepted], records: list[Record]) -> list[str]
     """
     if not before:
         return []
-    now = {
-        record.id(finding): accepted(record, finding)
-        for record, finding in findings_of(records)
-        if finding.outcome in DECIDED
-    }
-    new = [f"+ {name}: {now[name].outcome}" for name in sorted(now.keys() - before.keys())]
+    now = _decided(records)
     gone = [f"- {name}: {before[name].outcome}" for name in sorted(before.keys() - now.keys())]
     other = [
         f"~ {name}: {_told(before[name])} -> {_told(now[name])}"
         for name in sorted(now.keys() & before.keys())
         if not _agree(before[name], now[name])
     ]
-    return [*_shortened(new, "new"), *_shortened(gone, "gone"), *_shortened(other, "changed")]
+    return [*additions(before, records), *_shortened(gone, "gone"), *_shortened(other, "changed")]
+
+
+def additions(before: dict[str, Accepted], records: list[Record]) -> list[str]:
+    """The findings that a baseline does not have, one line each, at most MOST_SHOWN."""
+    now = _decided(records)
+    new = [f"+ {name}: {now[name].outcome}" for name in sorted(now.keys() - before.keys())]
+    return _shortened(new, "new")
+
+
+def _decided(records: list[Record]) -> dict[str, Accepted]:
+    """The decided findings of records by their ids, as a baseline keeps them."""
+    return {
+        record.id(finding): accepted(record, finding)
+        for record, finding in findings_of(records)
+        if finding.outcome in DECIDED
+    }
 
 
 def _shortened(lines: list[str], kind: str) -> list[str]:

@@ -70,10 +70,14 @@ def _compared(
     spread = noise(record, finding)
     if now - WORSE * before <= spread:
         return finding
+    allowed = f"the factor {WORSE:g} allows"
+    if spread:
+        allowed = (
+            f"the factor {WORSE:g} and the spread {spread:.1g} of runs with perturbed starts allow"
+        )
     sentence = (
         f"{finding.sentence} This is {_times(now, before)} the accepted value"
-        f" {before:.2g}, more than the factor {WORSE:g} and the spread"
-        f" {spread:.1g} of runs with perturbed starts allow."
+        f" {before:.2g}, more than {allowed}."
     )
     return msgspec.structs.replace(finding, outcome="worse", sentence=sentence)
 

@@ -5,6 +5,7 @@ of: one for the campaign, each engine, each instance, and a record for each meth
 """
 
 import time
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import refdem
@@ -20,7 +21,7 @@ from refdem.execution.spool import Spool, spool
 from refdem.planning import plan, required, sheets, unchanged
 from refdem.planning.records import records
 from refdem.planning.replays import replays
-from refdem.planning.runs import Hangs, Runner
+from refdem.planning.runs import Asked, Hangs, Runner
 from refdem.planning.specification import Specification
 from refdem.planning.truths import is_lasting, sampled_truths
 
@@ -40,6 +41,8 @@ class Campaign:
     use_store: bool = True
     progress: Progress = lambda stage, done, total: None
     scheduler: str = ""
+    asking: Callable[[Asked], None] = lambda asked: None
+    """Called with each run that is needed, before it is made or read."""
 
     def sheets(self) -> list[Sheet]:
         """All sheets of the campaign.
@@ -103,6 +106,7 @@ class Campaign:
                 deadlines=deadlines,
                 hangs=Hangs(),
                 progress=self.progress,
+                asking=self.asking,
             )
             judged_records, runs = records(
                 runner, tasks, versions, self.specification.perturbed_ulps

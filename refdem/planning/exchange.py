@@ -2,7 +2,8 @@
 trajectories are judged.
 
 A folder holds a manifest, a copy of each refdem.toml, and one folder per run with request.json and
-request.txt, in which its trajectory.csv (and events.csv) is to be put. A run that continues from
+request.txt, in which its trajectory.csv (and events.csv) is to be put. The folder of a run is named
+after its case, program, method and step. A run that continues from
 the end of another one needs that one's trajectory, so that its request is written by a second
 export into the same folder.
 
@@ -15,6 +16,7 @@ import json
 import os
 from collections import Counter
 from collections.abc import Iterable
+from dataclasses import replace as replaced
 from pathlib import Path
 from typing import Any, BinaryIO
 
@@ -26,7 +28,7 @@ from refdem.core.answer_csv import read_answer
 from refdem.core.engine import Engine, Method
 from refdem.core.finding import Sheet
 from refdem.core.named_file import replace
-from refdem.core.outside import one_line, opened
+from refdem.core.outside import in_file_name, one_line, opened
 from refdem.core.problem import Motion, Request
 from refdem.core.reading import content, json_as
 from refdem.core.request_text import request_text
@@ -40,6 +42,7 @@ from refdem.engines.external.serving import line_of
 from refdem.errors import UNREADABLE, EngineError, StoreError, UnsupportedError, UsageError
 from refdem.execution.schedule import Progress
 from refdem.planning.campaign import Campaign
+from refdem.planning.runs import Asked
 from refdem.planning.specification import Entry, Specification
 from refdem.scene import bodies_file
 
@@ -53,7 +56,13 @@ supported).
 """
 LAST_WORDS = 200
 """Most characters of a reason that are shown, the last ones."""
-FORMAT = 1
+SHORT = 40
+"""Most characters of the name of a program or method in the name of a run's folder."""
+DIGITS = 16
+"""Hexadecimal digits of a request's digest in the name of its folder: 64 bits, by which 1e5 runs
+have equal names with a probability of 3e-10.
+"""
+FORMAT = 2
 """Of a manifest."""
 
 
@@ -89,6 +98,7 @@ class Elsewhere(Engine):
         self.at = version
         self.folder = folder
         self.writes = writes
+        self.labels: dict[str, str] = {}
         self.asked: Counter[str] = Counter()
         self.waiting: list[str] = []
         self.lines: list[str] = []
@@ -116,13 +126,7 @@ class Elsewhere(Engine):
         Raises EngineError if it is missing or its request is not exported yet, and UnsupportedError
         if the folder has the reason why the program refused.
         """
-        # The folder of a run is named for the request; equal requests are numbered from 2 on.
-        key = request.key(self.name)
-        self.asked[key] += 1
-        if self.asked[key] == 1:
-            name = key[:32]
-        else:
-            name = f"{key[:32]}-{self.asked[key]}"
+        name = self._folder_of(request)
         folder = self.folder / name
         if folder.is_symlink():
             raise EngineError(f"{name} is a link; expected the folder that `refdem export` made")
@@ -159,6 +163,37 @@ class Elsewhere(Engine):
             steps = 0
         return trajectory, Cost(seconds=0.0, steps=steps)
 
+    def note(self, label: str, request: Request) -> None:
+        """Notes the case of a request; one that several cases share keeps the first of them."""
+        self.labels.setdefault(self._key(request), label)
+
+    def _key(self, request: Request) -> str:
+        """The key of a request, equal for its repetitions."""
+        return replaced(request, repeat=0).key(self.name)
+
+    def _folder_of(self, request: Request) -> str:
+        """The name of the folder of a run that is asked for now, such as
+        `pendulum-theta0=2_far_leapfrog_step=0.05_0f3c5a7e9b1d2468`.
+
+        Labels that differ may read the same there, so the digest of the request is its end. Equal
+        requests are numbered from 2 on.
+        """
+        key = self._key(request)
+        words = [
+            in_file_name(self.labels[key]),
+            in_file_name(self.name, SHORT),
+            in_file_name(request.method, SHORT),
+        ]
+        if request.step is not None:
+            words.append(f"step={request.step:.6g}")
+        if request.tolerance is not None:
+            words.append(f"tolerance={request.tolerance:.6g}")
+        name = "_".join([*words, key[:DIGITS]])
+        self.asked[key] += 1
+        if self.asked[key] > 1:
+            name += f"-{self.asked[key]}"
+        return name
+
 
 def _last_words(file: BinaryIO) -> str:
     """The last 200 characters of a file, as one line; no more of it is read."""
@@ -168,7 +203,7 @@ def _last_words(file: BinaryIO) -> str:
         return one_line(file.read().decode(errors="replace").strip()[-LAST_WORDS:])
 
 
-def _plain(path: Path) -> Path:
+def plain(path: Path) -> Path:
     """The path; raises UsageError if it is a link, a pipe or a device, since the folder was filled
     on another machine.
     """
@@ -188,7 +223,7 @@ def answers(folder: Path) -> dict[str, dict[str, Any]]:
     """
     found: dict[str, dict[str, Any]] = {}
     for path in sorted(folder.glob(ANSWERS)):
-        for line in content(_plain(path), "the lines that a program answered").splitlines():
+        for line in content(plain(path), "the lines that a program answered").splitlines():
             try:
                 said = json.loads(line)
             except UNREADABLE:
@@ -275,7 +310,7 @@ def read(folder: Path) -> Manifest:
     """The manifest of an export; raises UsageError if there is none, or if another refdem wrote
     it.
     """
-    path = _plain(folder / MANIFEST)
+    path = plain(folder / MANIFEST)
     manifest = json_as(Manifest, content(path, "a folder that `refdem export` wrote"), str(path))
     if manifest.format != FORMAT:
         raise UsageError(f"{path} has format {manifest.format}; expected {FORMAT}: export again")
@@ -308,7 +343,7 @@ def _campaign(
     with contextlib.ExitStack() as here:
         engines = []
         for name in names:
-            path = _plain(folder / f"{name}.toml")
+            path = plain(folder / f"{name}.toml")
             described = discovery.engine(str(path))
             if described.name != name:
                 raise UsageError(
@@ -318,11 +353,20 @@ def _campaign(
             engine = Elsewhere(described, manifest.versions[name], folder, writes=writes)
             engines.append(engine)
             here.enter_context(discovery.engine_here(engine))
+        by_name = {engine.name: engine for engine in engines}
         specification = Specification(
             name=f"judgement of {', '.join(names)}",
             case=manifest.case,
             engines=names,
             levels=manifest.levels,
         )
-        sheets = Campaign(specification, store, jobs=0, use_store=False, progress=progress).sheets()
+
+        def note(asked: Asked) -> None:
+            label = asked.task.subject.instance.label
+            by_name[asked.task.engine.name].note(label, asked.request)
+
+        campaign = Campaign(
+            specification, store, jobs=0, use_store=False, progress=progress, asking=note
+        )
+        sheets = campaign.sheets()
     return sheets, engines

@@ -4,7 +4,7 @@ Equal runs are made once, and unchanged ones are read from the store.
 """
 
 import math
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from functools import partial
 
@@ -193,6 +193,8 @@ class Runner:
     deadlines: Mapping[str, float]
     hangs: Hangs
     progress: Progress
+    asking: Callable[[Asked], None] = lambda asked: None
+    """Called with each run that is needed, before any of them is made."""
 
     def runs(self, asked: list[Asked], stage: str) -> Iterator[tuple[Asked, Run]]:
         """Every request with its run, in the order in which they end.
@@ -201,6 +203,7 @@ class Runner:
         """
         equal: dict[str, list[Asked]] = {}
         for request_of_task in asked:
+            self.asking(request_of_task)
             equal.setdefault(request_of_task.key, []).append(request_of_task)
         unread = {}
         for key, same in equal.items():

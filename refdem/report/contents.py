@@ -1,7 +1,6 @@
 """What a report is about, in its order: campaign, cases, engines, records."""
 
 import hashlib
-import re
 from collections import Counter
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
@@ -20,6 +19,7 @@ from refdem.core.finding import (
     Sheet,
 )
 from refdem.core.moved import Moved
+from refdem.core.outside import in_file_name
 from refdem.core.replay import Replay
 from refdem.core.resolution import Resolution
 from refdem.report.jsonl import finite
@@ -172,7 +172,7 @@ def _bare_engine(record: Record) -> EngineSheet:
 
 def page(label: str) -> str:
     """A file name for an instance, safe on any file system and different for different labels."""
-    plain = re.sub(r"[^a-z0-9.=_-]+", "-", label.lower()).strip("-.")[:80]
+    plain = in_file_name(label)
     if plain and plain == label:
         return plain
     return f"{plain}-{_digest(label)}".lstrip("-")

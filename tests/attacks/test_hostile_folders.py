@@ -16,6 +16,8 @@ import numpy as np
 import pytest
 
 from refdem.bench.memory import reset_peak, resident
+from refdem.gate import baseline
+from refdem.planning.exchange import FORMAT
 from tests.planning.test_exchange import TOML, run
 
 Command = Callable[..., "subprocess.CompletedProcess[str]"]
@@ -105,6 +107,21 @@ def links(name: str, target: str) -> Damage:
         path.symlink_to(target)
 
     return damage
+
+
+def baseline_of(ids: "list[str]", engine: str = "far") -> Damage:
+    """There is a baseline of findings with these ids."""
+    findings = [json.dumps({"id": name, "outcome": "pass"}).encode() for name in ids]
+    header = {
+        "format": baseline.FORMAT,
+        "engine": engine,
+        "version": "1",
+        "why": "no reason",
+        "findings": len(findings),
+        "sha256": baseline.digest(findings),
+    }
+    content = b"\n".join([json.dumps(header).encode(), *findings]) + b"\n"
+    return writes("far-baseline.jsonl", content)
 
 
 def hard_links(name: str) -> Damage:
@@ -213,7 +230,10 @@ MANIFESTS: "dict[str, tuple[Damage, str]]" = {
     "endless manifest": (endless("manifest.json"), "more than 67108864 bytes"),
     "a list": (writes("manifest.json", "[1, 2]"), "Expected `object`, got `array`"),
     "an unknown field": (manifest(shell="rm -rf ~"), "unknown field `shell`"),
-    "a newer format": (manifest(format=2), "has format 2; expected 1"),
+    "a newer format": (
+        manifest(format=FORMAT + 1),
+        f"has format {FORMAT + 1}; expected {FORMAT}",
+    ),
     "a format beyond all integers": (
         writes("manifest.json", '{"format": %s}' % ("9" * 5000)),
         "manifest.json",
@@ -265,6 +285,18 @@ MANIFESTS: "dict[str, tuple[Damage, str]]" = {
     ),
     "an engine here for the program": (engine_here, "describes 'far'; expected 'pymunk'"),
     "endless answers": (endless("far-answers.jsonl"), "more than 67108864 bytes"),
+    "a baseline by a link": (
+        links("far-baseline.jsonl", "../outside/secret.txt"),
+        "expected a plain file",
+    ),
+    "a baseline by a pipe": (pipe("far-baseline.jsonl"), "expected a plain file"),
+    "an endless baseline": (endless("far-baseline.jsonl"), "more than 67108864 bytes"),
+    "a baseline that nests": (writes("far-baseline.jsonl", DEEP), "far-baseline.jsonl, line 1"),
+    "a baseline of another": (baseline_of([], engine="near"), "is that of 'near'"),
+    "a baseline whose ids do not print": (
+        baseline_of(["a/far/leapfrog/error/\x1b[2J"]),
+        "characters that do not print",
+    ),
     "answers by a link of odd name": (
         links("\x1b[2Janswers.jsonl", "../outside/secret.txt"),
         "expected a plain file",
@@ -435,6 +467,29 @@ def test_a_run_that_cannot_be_used_is_one_error(judged, name: str) -> None:
 def test_what_refdem_does_not_need_is_passed_over(judged, name: str) -> None:
     done = judged(HARMLESS[name])
     assert done.returncode == 0, done.stdout + done.stderr
+
+
+IDS = [
+    "../../../outside/far/leapfrog/error/x",
+    "/etc/passwd/far/leapfrog/error/x",
+    "<script>alert(1)</script>/far/leapfrog/error/x",
+    "::error::pendulum/far/leapfrog/##[error]/x",
+    "nul/../reference/leapfrog/error/x",
+    f"{'long' * 1000}/far/leapfrog/error/x",
+]
+"""Ids of findings that a report may take neither for paths nor for markup or commands."""
+
+
+def test_hostile_names_in_a_baseline_are_findings_that_are_absent(judged, tmp_path: Path) -> None:
+    done = judged(baseline_of(IDS))
+    assert done.returncode == 1, done.stdout + done.stderr
+    assert done.stdout.count("ABSENT") == len(IDS)
+    assert "the gate of far is closed" in done.stdout
+    assert not [line for line in done.stdout.splitlines() if line.startswith("::")]
+    assert "##[" not in done.stdout
+    pages = list((tmp_path / "report").rglob("*.html"))
+    assert pages
+    assert not [page for page in pages if "<script>alert" in page.read_text()]
 
 
 PLANTED = {

@@ -12,7 +12,7 @@ import pytest
 
 from refdem.cli.summary import VOID, exit_status, lines
 from refdem.core.finding import Finding, Record
-from refdem.planning.exchange import MANIFEST
+from refdem.planning.exchange import FORMAT, MANIFEST
 
 Run = Callable[..., "subprocess.CompletedProcess[str]"]
 
@@ -77,7 +77,7 @@ def test_nothing_judged_is_exit_2_with_the_reason(
     (tmp_path / "blank").mkdir()
     (tmp_path / "blank" / "records.jsonl").write_text("\n")
     manifest = {
-        "format": 1,
+        "format": FORMAT,
         "refdem": package.__version__,
         "case": [],
         "levels": 3,

@@ -7,7 +7,16 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from refdem.core.outside import MOST, cell, markdown_text, one_line, opened, printable, put_new
+from refdem.core.outside import (
+    MOST,
+    cell,
+    in_file_name,
+    markdown_text,
+    one_line,
+    opened,
+    printable,
+    put_new,
+)
 from refdem.errors import EngineError
 
 
@@ -104,6 +113,19 @@ def test_numbers_and_names_in_cells_stay_as_they_are() -> None:
         3,
         "pendulum[a=-1]",
     ]
+
+
+@pytest.mark.parametrize(
+    ("text", "name"),
+    [
+        ("pendulum[theta0=2 gravity=9.81]", "pendulum-theta0=2-gravity=9.81"),
+        ("../../etc/passwd", "etc-passwd"),
+        ("-rf ~; C:\\CON \x1b[2J\u202e\n", "rf-c-con-2j"),
+        ("A" * 100, "a" * 80),
+    ],
+)
+def test_a_text_in_a_file_name_is_safe_on_any_file_system(text: str, name: str) -> None:
+    assert in_file_name(text) == name
 
 
 def test_lines_stay_lines_where_only_what_does_not_print_goes() -> None:

@@ -4,16 +4,18 @@ judged.
 
 import json
 import os
+import re
 from pathlib import Path
 
 import numpy as np
 import pytest
 
 from refdem.core.finding import Record
+from refdem.core.parameters import labelled
 from refdem.core.store import Store
 from refdem.core.trajectory_csv import COLUMNS
 from refdem.errors import UsageError
-from refdem.planning.exchange import MANIFEST, RUNS, exported, judged
+from refdem.planning.exchange import FORMAT, MANIFEST, RUNS, exported, judged
 from refdem.planning.specification import Entry
 
 TOML = """
@@ -109,6 +111,43 @@ def test_what_comes_back_is_judged_and_what_goes_on_from_it_is_written_next(
     assert {f.outcome for f in after.findings} == {"pass"}
     assert "reversal" in {f.check for f in after.findings}
     assert written(toml, folder) == []
+
+
+def test_the_folder_of_a_run_is_named_after_its_case_program_method_and_step(
+    toml: Path, tmp_path: Path
+) -> None:
+    folder = tmp_path / "to-run"
+    labels = ("harmonic-oscillator", "harmonic-oscillator[x0=-3/2]", "harmonic-oscillator[x0=3/2]")
+    store = Store(tmp_path / "store.sqlite")
+    entries = [Entry(*labelled(label)) for label in labels]
+    names = exported(folder, [toml], entries, 3, store, lambda *_: None)
+    store.close()
+    # On some file systems names that differ by case alone are one name.
+    assert len({name.lower() for name in names}) == len(names)
+    of_case: dict[str, set[float]] = {}
+    for name in names:
+        case, program, method, step, digest = name.split("_")
+        asked = json.loads((folder / name / "request.json").read_text())
+        assert (program, method) == ("far", "leapfrog")
+        assert step == f"step={asked['step']:.6g}"
+        assert re.fullmatch("[0-9a-f]{16}(-[0-9]+)?", digest)
+        of_case.setdefault(case, set()).add(asked["scene"]["bodies"][0]["position"][0])
+    plain = "harmonic-oscillator"
+    assert set(of_case) == {plain, f"{plain}-x0=-1.5", f"{plain}-x0=1.5"}
+    assert -1.5 in of_case[f"{plain}-x0=-1.5"]
+    assert 1.5 in of_case[f"{plain}-x0=1.5"]
+    assert {1.5, -1.5}.isdisjoint(of_case[plain])
+
+
+def test_a_folder_with_names_of_an_older_format_is_refused(toml: Path, tmp_path: Path) -> None:
+    folder = tmp_path / "to-run"
+    written(toml, folder)
+    manifest = folder / MANIFEST
+    text = manifest.read_text()
+    assert text.count(f'"format": {FORMAT}') == 1
+    manifest.write_text(text.replace(f'"format": {FORMAT}', '"format": 1'))
+    with pytest.raises(UsageError, match=f"has format 1; expected {FORMAT}: export again"):
+        record(toml, folder)
 
 
 def test_a_missing_trajectory_is_an_error(toml: Path, tmp_path: Path) -> None:
