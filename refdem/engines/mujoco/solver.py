@@ -16,9 +16,11 @@ ROUNDING = 2.0**-50
 """Margin at which shapes touch, relative to the size of the scene: a contact of depth 0 would not
 act.
 """
-SLIDING = 2.0**-10
+SLIDING = 2.0**-14
 """Impedance of sliding contacts. A convex contact law lifts a sliding body off its support (see
-`rubbing`), less so the smaller the impedance.
+`rubbing`), less so the smaller the impedance. The velocity of a stick-slip oscillator with steps of
+6e-5 s has an error of 2.4e-4 at 2^-6, 1.4e-5 at 2^-10, where a shorter step no longer helps, 7e-10
+at 2^-14, and 1.7e-7 at 2^-18.
 """
 LIFTLESS = 2.0**-30
 """impratio of spheres with friction. Friction is then so soft in the first solve that slip does not
