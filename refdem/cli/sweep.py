@@ -107,7 +107,7 @@ def command(
     points = sweep.points(contents, settings)
     document = sweep.as_json(case, names, points, absent)
     title = f"Sweep of {case}"
-    has_map = len(names) == 2 and heat_map.write(out, title, names, points, store)
+    has_map = heat_map.write(out, title, names, points, store)
     written(out / "sweep.md", sweep.markdown(title, names, points, has_map=has_map))
     written(out / "sweep.csv", sweep.csv(names, points))
     written(out / "sweep.json", document)

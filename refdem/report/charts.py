@@ -34,6 +34,8 @@ CELL = 26
 """Pixels of a cell of a heat map, where there are few of them."""
 SIDES_OF_MAP = (150, 360)
 """Least and most pixels of a side of a heat map."""
+SIGN = 13.0
+"""Pixels of the sign of a cell of a heat map, where cells are not smaller."""
 ROWS = "rows"
 """The name of the rows of a chart, which all of its marks share."""
 PICKED = {"errors": "quantity", "costs": "quantity", "drifts": "check"}
@@ -400,10 +402,13 @@ def _heat_map(data: ChartData, number: int, name: str) -> Spec:
     """The heat map of one method: cells, contours over them, and signs of verdicts."""
     x, y = (_values_of_axis(*axis, place) for axis, place in zip(data.axes, "xy", strict=True))
     places = {"x": x, "y": y}
-    layers = [_cells(places), *_contours(places), *_signs(places)]
+    width, height = (_side_of_map(len(values)) for _, values in data.axes)
+    sides = [
+        side / len(values) for side, (_, values) in zip((width, height), data.axes, strict=True)
+    ]
+    layers = [_cells(places), *_contours(places), *_signs(places, min(sides))]
     for layer in layers:
         layer["transform"].insert(0, {"filter": f"datum.map == {number}"})
-    width, height = (_side_of_map(len(values)) for _, values in data.axes)
     title = {"text": name, "fontSize": 11, "limit": 300}
     return {"title": title, "layer": layers, "width": width, "height": height}
 
@@ -439,7 +444,8 @@ def _cells(places: dict[str, Spec]) -> Spec:
         ),
         "tooltip": _tips(*CELL_TIPS),
     }
-    cells = _layer({"type": "rect"}, encoding, ["isValid(datum.digits)"])
+    # Tables below the chart have the cells for those who hear the page.
+    cells = _layer({"type": "rect", "aria": False}, encoding, ["isValid(datum.digits)"])
     sides = [{"calculate": f"datum.{where}", "as": edge} for edge, where in edges.items()]
     cells["transform"] += sides
     return cells
@@ -453,7 +459,10 @@ def _contours(places: dict[str, Spec]) -> list[Spec]:
     """Contours in black over white, as cells are dark and light; dashed by their digits."""
     path = {**places, "detail": _name("piece"), "order": _quantity("at")}
     dashes = {"domain": [3, 6, 9], "range": [[1, 3], [6, 4], [1, 0]]}
-    dashed = {**path, "strokeDash": _name("contour", title="contour [digits]", scale=dashes)}
+    # Gray stands out against a page that is light and one that is dark.
+    legend = {"symbolStrokeColor": "#808080"}
+    title = "contour [digits]"
+    dashed = {**path, "strokeDash": _name("contour", title=title, scale=dashes, legend=legend)}
     on_contour = ["isValid(datum.contour)"]
     return [
         _layer({"type": "line", "stroke": "white", "strokeWidth": 2.5}, path, on_contour),
@@ -461,12 +470,16 @@ def _contours(places: dict[str, Spec]) -> list[Spec]:
     ]
 
 
-def _signs(places: dict[str, Spec]) -> list[Spec]:
-    """The signs of verdicts that are no pass, in black over white for the same reason."""
+def _signs(places: dict[str, Spec], side: float) -> list[Spec]:
+    """The signs of verdicts that are no pass, in black over white for the same reason; no larger
+    than the smaller `side` of a cell [pixel].
+    """
     encoding = {**places, "text": _name("sign"), "tooltip": _tips(*CELL_TIPS)}
-    text = {"type": "text", "fontSize": 13, "fontWeight": "bold"}
+    size = min(SIGN, round(side, 1))
+    outline = round(3 * size / SIGN, 1)
+    text = {"type": "text", "fontSize": size, "fontWeight": "bold"}
     has_sign = ["isValid(datum.sign) && datum.sign != ''"]
     return [
-        _layer({**text, "stroke": "white", "strokeWidth": 3}, encoding, has_sign),
+        _layer({**text, "stroke": "white", "strokeWidth": outline}, encoding, has_sign),
         _layer({**text, "fill": "black"}, encoding, has_sign),
     ]

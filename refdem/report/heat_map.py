@@ -35,6 +35,8 @@ CAPTION = (
     "correct digits at the smallest step; contours: 3, 6 and 9 digits; x: failed, ?: undecided,"
     " !: no run, -: unsupported"
 )
+FILES = ("sweep.html", "sweep.svg")
+"""The page of a study, and its picture."""
 COLUMNS = ("map", "x", "y", "digits", "sign", "error", "step", "verdict", "contour", "piece", "at")
 """Columns of the chart's rows: a row is a cell of a map, or a vertex of a contour."""
 
@@ -55,7 +57,7 @@ def axes(names: Sequence[str], found: Sequence[Point]) -> tuple[tuple[str, tuple
 
 
 def maps(names: Sequence[str], found: Sequence[Point]) -> list[Map]:
-    """A map for each method of each engine, in the order of the study."""
+    """A map for each method of each engine that supports any setting, in the order of the study."""
     (x, columns), (y, rows) = axes(names, found)
     made: dict[str, Map] = {}
     for point in found:
@@ -64,7 +66,12 @@ def maps(names: Sequence[str], found: Sequence[Point]) -> list[Map]:
         place = (columns.index(point.setting[x]), rows.index(point.setting[y]))
         if place not in cells or _is_finer(point, cells[place]):
             cells[place] = point
-    return list(made.values())
+    return [one for one in made.values() if not _is_unsupported(one)]
+
+
+def _is_unsupported(shown: Map) -> bool:
+    """True if the engine supports no setting with this method."""
+    return all(point.verdict == "unsupported" for point in shown.cells.values())
 
 
 def _is_finer(point: Point, other: Point) -> bool:
@@ -168,9 +175,17 @@ def _text(point: Point | None) -> str:
 def write(
     folder: Path, title: str, names: Sequence[str], found: Sequence[Point], store: Store | None
 ) -> bool:
-    """Writes sweep.html, sweep.svg and what the page needs into a folder; False without a map."""
-    data = chart(names, found)
+    """Writes sweep.html, sweep.svg and what the page needs into a folder.
+
+    False for another number of parameters than two, or without a map; a page of an earlier study in
+    that folder is then removed, as it does not show this one.
+    """
+    data = None
+    if len(names) == 2:
+        data = chart(names, found)
     if data is None:
+        for stale in FILES:
+            (folder / stale).unlink(missing_ok=True)
         return False
     spec = specification(data)
     written(folder / "sweep.svg", picture(spec, store))

@@ -2,7 +2,7 @@
 
 import json
 import math
-from collections import Counter
+import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
@@ -19,6 +19,8 @@ MEASURED = ("engine", "method", "control", "level", "error", "bound", "cost", "v
 """Columns after those of the parameters."""
 SHOWN = ("engine", "method", "step", "error", "bound", "cost [s/s]", "verdict")
 """The same for people."""
+NUMBER = re.compile(r"-?\d+(?:\.\d+)?(?:e[+-]?\d+)?")
+"""A number in a sentence."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -134,13 +136,23 @@ def text(names: Sequence[str], found: Sequence[Point]) -> str:
 
 
 def reasons(found: Sequence[Point]) -> list[str]:
-    """A line for each reason why something is no pass, with the number of points that have it."""
-    counted: Counter[str] = Counter()
+    """A line for each reason why something is no pass, with the number of points that have it.
+
+    Reasons of one method that differ in their numbers alone are one line, with the first of them.
+    """
+    alike: dict[tuple[str, str], list[str]] = {}
     for point in found:
         if point.verdict != "pass":
-            words = f"{point.verdict}, {point.engine}/{point.method}: {point.reason}"
-            counted[one_line(words)] += 1
-    return [f"{words} ({number} of {len(found)} rows)" for words, number in counted.items()]
+            source = f"{point.verdict}, {point.engine}/{point.method}"
+            kind = NUMBER.sub("0", point.reason)
+            alike.setdefault((source, kind), []).append(point.reason)
+    lines = []
+    for (source, _), listed in alike.items():
+        rows = f"{len(listed)} of {len(found)} rows"
+        if len(set(listed)) > 1:
+            rows += "; this is the first, the others differ in numbers"
+        lines.append(one_line(f"{source}: {listed[0]} ({rows})"))
+    return lines
 
 
 def markdown(

@@ -10,11 +10,12 @@ import pytest
 from refdem.core import discovery
 from refdem.gallery.gallery import figure
 from refdem.manual.pages import page
-from refdem.report import bench, stress, write_gallery, write_manual
+from refdem.report import bench, heat_map, stress, write_gallery, write_manual
 from refdem.truth import load
 from tests.browser.test_report_in_chromium import CONTRAST, PATIENCE, SCHEMES, read_through
 from tests.report.test_bench import SECTION
 from tests.report.test_gallery import FIGURE
+from tests.report.test_heat_map import NAMES, point
 from tests.report.test_manual import PAGE
 
 WIDTHS = (1440, 390)
@@ -30,6 +31,7 @@ KINDS = (
     "manual/top.html",
     "bench/bench.html",
     "stress/stress.html",
+    "sweep/sweep.html",
 )
 MARK = stress.Mark("mass", "mass ratio", 0, "10", "mujoco", "rk4", False, 0.5, "pass")
 BROKEN_RULES = """
@@ -52,6 +54,9 @@ def pages(folder, tmp_path_factory):
     bench.write(folder / "bench", "Bench", "What a run takes.", tables, [SECTION])
     sections = [stress.Section("step-limit", "Step limit", "How long a step?", [MARK], tables)]
     stress.write(folder / "stress", "Stress", "What breaks.", [], sections)
+    study = [point(x, y, float(f"1e-{x}{y}")) for x in "01" for y in "159"]
+    study += [point("1", "1", None, verdict="fail", engine="</script><b>hostile</b>")]
+    heat_map.write(folder / "sweep", "Sweep", NAMES, study, None)
     return folder
 
 

@@ -112,3 +112,12 @@ def test_two_parameters_have_a_heat_map_and_one_has_none(tmp_path: Path) -> None
     assert two.stdout.splitlines()[-1] == f"heat map: {Path('two/sweep.html')}"
     assert "(sweep.svg)" in (tmp_path / "two/sweep.md").read_text()
     assert "reference rattle" in (tmp_path / "two/sweep.html").read_text()
+
+
+def test_the_page_of_an_earlier_sweep_does_not_stay_beside_another(tmp_path: Path) -> None:
+    asked = ("--method", "rattle", "--levels", "1", "--set", "theta0=0.5,1", "--out", "study")
+    called(*SHORT, *asked, "--set", "length=1,2")
+    assert {"sweep.html", "sweep.svg"} < {path.name for path in (tmp_path / "study").iterdir()}
+    called(*SHORT, *asked)
+    left = {path.name for path in (tmp_path / "study").iterdir() if path.is_file()}
+    assert left == {"sweep.csv", "sweep.json", "sweep.md"}

@@ -139,3 +139,27 @@ def test_the_page_has_the_map_the_table_and_the_reasons(tmp_path: Path) -> None:
 def test_a_study_in_which_nothing_was_judged_has_no_map(tmp_path: Path) -> None:
     assert not heat_map.write(tmp_path, "Sweep", NAMES, [], None)
     assert list(tmp_path.iterdir()) == []
+
+
+def test_a_method_that_supports_no_setting_has_no_map(tmp_path: Path) -> None:
+    found = [point("1", y, None, verdict="unsupported", engine="other") for y in ("1", "2")]
+    assert not heat_map.write(tmp_path, "Sweep", NAMES, found, None)
+    (shown,) = heat_map.maps(NAMES, [point("1", "1"), *found])
+    assert shown.series == "mydem leapfrog"
+
+
+def test_a_method_that_supports_some_settings_has_the_sign_of_the_others() -> None:
+    rest = point("1", "2", None, verdict="unsupported")
+    assert [row["sign"] for row in rows([point("1", "1"), rest])] == ["", "-"]
+
+
+def test_signs_are_no_larger_than_cells() -> None:
+    def size(count: int) -> float:
+        """Pixels of a sign on a map with so many columns."""
+        data = heat_map.chart(NAMES, [point(str(x), "1") for x in range(count)])
+        assert data is not None
+        spec = json.loads(specification(data))
+        return float(spec["concat"][0]["layer"][-1]["mark"]["fontSize"])
+
+    assert size(2) == 13.0
+    assert size(50) == 360 / 50

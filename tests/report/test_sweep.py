@@ -88,3 +88,22 @@ def test_the_json_has_null_for_what_was_not_measured() -> None:
     assert point["level"] is None
     assert point["verdict"] == "undecided"
     assert document["absent"] == ["no"]
+
+
+def test_reasons_that_differ_in_numbers_alone_are_one_line() -> None:
+    reasons = ("It moves by 0.09.", "It moves by 1.5e-3.", "It does not move.")
+    found = [
+        Point(setting=SETTING, engine="mydem", method="gear-4", verdict="undecided", reason=reason)
+        for reason in reasons
+    ]
+    first, second = sweep.reasons(found)
+    assert first.startswith("undecided, mydem/gear-4: It moves by 0.09. (2 of 3 rows; ")
+    assert second == "undecided, mydem/gear-4: It does not move. (1 of 3 rows)"
+
+
+def test_reasons_of_methods_that_differ_in_a_number_are_apart() -> None:
+    found = [
+        Point(setting=SETTING, engine="mydem", method=method, verdict="fail", reason="It fails.")
+        for method in ("gear-4", "gear-5")
+    ]
+    assert len(sweep.reasons(found)) == 2
