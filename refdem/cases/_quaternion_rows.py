@@ -41,22 +41,34 @@ def _algebra_rows(p: Parameters) -> list[Row]:
         ("absolute", "absolute", [b]),
         ("u", "unit", [b]),
     ]
-    # Products by the real 4 x 4 and the complex 2 x 2 matrices of quaternions. The eigenvalues of
-    # w 1 - i (x s1 + y s2 + z s3) are w +- i |(x, y, z)|, those of x s1 + y s2 + z s3 are
-    # +-|(x, y, z)|, with Pauli's matrices s1, s2, s3 (1.143).
+    # Products by the real 4 x 4 and the complex 2 x 2 matrices of quaternions.
     matrices: list[Row] = [
         ("real-product", "real-product", [a, b]),
         ("complex-product", "complex-product", [a, b]),
         ("complex-eigenvalue", "complex-eigenvalue", [b]),
+    ]
+    operations = products + inverses + matrices + _eigenvalue_rows(p)
+    return operations + _rule_rows(p) + _complex_rows(p)
+
+
+def _eigenvalue_rows(p: Parameters) -> list[Row]:
+    """Eigenvalues of Pauli's matrices s1, s2, s3, of their sum weighted by a vector, and of the
+    complex matrices of the basis elements.
+    """
+    # Those of x s1 + y s2 + z s3 are +-|(x, y, z)| (1.143).
+    pauli: list[Row] = [
         ("pauli-x", "pauli-eigenvalues", [X]),
         ("pauli-y", "pauli-eigenvalues", [Y]),
         ("pauli-z", "pauli-eigenvalues", [Z]),
         ("pauli-vector", "pauli-eigenvalues", [p.vector.tolist()]),
+    ]
+    # Those of w 1 - i (x s1 + y s2 + z s3) are w +- i |(x, y, z)|.
+    elements: list[Row] = [
         ("element-i", "complex-eigenvalue", [[0.0, *X]]),
         ("element-j", "complex-eigenvalue", [[0.0, *Y]]),
         ("element-k", "complex-eigenvalue", [[0.0, *Z]]),
     ]
-    return products + inverses + matrices + _rule_rows(p) + _complex_rows(p)
+    return pauli + elements
 
 
 def _rule_rows(p: Parameters) -> list[Row]:
@@ -114,24 +126,32 @@ def _rotation_rows(p: Parameters) -> list[Row]:
     """
     v = p.vector.tolist()
     pure = [0.0, *v]
-    return [
-        # (0, v)* = -(0, v), and (0, v) (0, omega) = (-v . omega, v x omega).
+    # (0, v)* = -(0, v), and (0, v) (0, omega) = (-v . omega, v x omega). u (0, v) without u* on
+    # its right is not a vector: for u = (s, a) its scalar part is -a . v.
+    of_pure: list[Row] = [
         ("pure-conjugate", "conjugate", [pure]),
         ("pure-product", "product", [pure, [0.0, *p.omega.tolist()]]),
-        # u (0, v) without u* on its right is not a vector: for u = (s, a) its scalar part is
-        # -a . v.
         ("one-sided", "product", ["u", pure]),
-        # v' = u v u* = (-u) v (-u)*.
+    ]
+    # v' = u v u* = (-u) v (-u)*.
+    rotated: list[Row] = [
         ("rotated", "rotated", ["u", v]),
         ("-u", "negative", ["u"]),
         ("rotated-by-minus-u", "rotated", ["-u", v]),
+    ]
+    # The matrix R of u with R v = u v u*, and u and Euler's angles from it.
+    forms: list[Row] = [
         ("matrix", "matrix-of-quaternion", ["u"]),
         ("back", "quaternion-of-matrix", ["matrix"]),
         ("euler", "euler-of-matrix", ["matrix"]),
-        # u u rotates by twice the angle of u.
+    ]
+    # u u rotates by twice the angle of u.
+    twice: list[Row] = [
         ("turned-twice", "product", ["u", "u"]),
         ("rotated-twice", "rotated", ["turned-twice", v]),
-        # u2 (u1 v u1*) u2* = (u2 u1) v (u2 u1)*: the first rotation is the factor on the right.
+    ]
+    # u2 (u1 v u1*) u2* = (u2 u1) v (u2 u1)*: the first rotation is the factor on the right.
+    in_turn: list[Row] = [
         ("u1", "unit", [p.p.tolist()]),
         ("u2-u1", "product", ["u", "u1"]),
         ("u1-u2", "product", ["u1", "u"]),
@@ -140,6 +160,7 @@ def _rotation_rows(p: Parameters) -> list[Row]:
         ("rotated-at-once", "rotated", ["u2-u1", v]),
         ("rotated-in-other-order", "rotated", ["u1-u2", v]),
     ]
+    return of_pure + rotated + forms + twice + in_turn
 
 
 def _rate_rows(p: Parameters) -> list[Row]:

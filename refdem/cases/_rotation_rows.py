@@ -78,33 +78,50 @@ def rows(p: Parameters) -> list[Row]:
 
 
 def _plane_rows(p: Parameters) -> list[Row]:
-    """Rotation and reflection of a vector in the plane."""
+    """Rotation and reflection of a vector in the plane, and cosines of multiples of the angle."""
     angle = [p.angle]
-    other_angle = [float(p.euler[0])]
+    opposite = [-p.angle]
     v = p.vector.tolist()
-    # R(a) = ((cos a, -sin a), (sin a, cos a)) for a = `angle` (1.9).
-    return [
+    # R(a) = ((cos a, -sin a), (sin a, cos a)) for a = `angle` (1.9), R(-a) = R(a)^T = R(a)^-1.
+    turns: list[Row] = [
         ("plane-turn", "plane-turn", [angle, v]),
-        ("plane-clockwise", "plane-turn", [[-p.angle], v]),
-        # R(-a) = R(a)^T = R(a)^-1.
-        ("plane-turned-back", "plane-turn", [[-p.angle], "plane-turn"]),
-        # R(a) multiplies x + i y by exp(i a), and has the eigenvalues cos a +- i |sin a|.
+        ("plane-clockwise", "plane-turn", [opposite, v]),
+        ("plane-turned-back", "plane-turn", [opposite, "plane-turn"]),
+    ]
+    # R(a) multiplies x + i y by exp(i a), and has the eigenvalues cos a +- i |sin a| and the
+    # determinant 1.
+    as_complex: list[Row] = [
         ("complex-turn", "complex-turn", [angle, v]),
         ("plane-eigenvalue", "plane-eigenvalue", [angle]),
         ("plane-determinant", "plane-determinant", [angle]),
-        # The reflection at the line with the angle a to x takes x + i y to exp(2 i a) (x - i y).
+    ]
+    # The reflection at the line with the angle a to x takes x + i y to exp(2 i a) (x - i y), and
+    # has the determinant -1.
+    mirrored: list[Row] = [
         ("mirror", "mirror", [angle, v]),
         ("mirror-determinant", "mirror-determinant", [angle]),
-        # cos(n a) = Re (cos a + i sin a)^n, and by the recurrence cos((k + 1) a) = 2 cos a cos(k a)
-        # - cos((k - 1) a).
+    ]
+    return turns + as_complex + mirrored + _cosine_rows(p)
+
+
+def _cosine_rows(p: Parameters) -> list[Row]:
+    """Cosines of multiples of the angle, and the product of its cosine and that of phi."""
+    angle = [p.angle]
+    other_angle = [float(p.euler[0])]
+    # cos(n a) = Re (cos a + i sin a)^n, and by the recurrence cos((k + 1) a) = 2 cos a cos(k a)
+    # - cos((k - 1) a).
+    of_multiples: list[Row] = [
         ("cosine-3", "cosine-by-powers", [angle, [3.0]]),
         ("cosine-4", "cosine-by-powers", [angle, [4.0]]),
         ("cosine-by-powers", "cosine-by-powers", [angle, [p.multiple]]),
         ("cosine-by-recurrence", "cosine-by-recurrence", [angle, [p.multiple]]),
-        # cos a cos b = (cos(a - b) + cos(a + b))/2.
+    ]
+    # cos a cos b = (cos(a - b) + cos(a + b))/2.
+    of_products: list[Row] = [
         ("cosine-product", "cosine-product", [angle, other_angle]),
         ("cosines-mixed", "cosines-mixed", [angle, other_angle]),
     ]
+    return of_multiples + of_products
 
 
 def _commuting_rows(p: Parameters) -> list[Row]:
@@ -148,24 +165,28 @@ def _euler_rows(p: Parameters) -> list[Row]:
     """Euler angles to a matrix and back, and their rates beside those of the quaternion."""
     euler = p.euler.tolist()
     omega = p.omega.tolist()
-    # The same angles close to theta = 0, where their rates diverge.
-    near = [euler[0], p.near, euler[2]]
-    # R = Rz(phi) Rx(theta) Rz(psi), body to space. The rates are those of (1.39) to (1.41), and for
-    # the quaternion q' = (0, omega) q/2 (1.67). "rate-matrix" is B in omega = B (phi', theta',
-    # psi'), "rate-inverse" B^-1, and "rate-one" B^-1 B = 1.
+    # R = Rz(phi) Rx(theta) Rz(psi), body to space.
     angles: list[Row] = [
         ("euler-matrix", "matrix-of-euler", [euler]),
         ("euler-back", "euler-of-matrix", ["euler-matrix"]),
         ("euler-quaternion", "quaternion-of-euler", [euler]),
+    ]
+    # The same angles close to theta = 0, where their rates diverge.
+    near = [euler[0], p.near, euler[2]]
+    # phi', theta' and psi' by (1.39) to (1.41), and for the quaternion q' = (0, omega) q/2 (1.67).
+    rates: list[Row] = [
         ("euler-rates", "euler-rates", [euler, omega]),
         ("near-rates", "euler-rates", [near, omega]),
         ("near-quaternion", "quaternion-of-euler", [near]),
         ("near-quaternion-rate", "rate", ["near-quaternion", omega]),
+    ]
+    # B in omega = B (phi', theta', psi'), B^-1, and B^-1 B = 1.
+    matrices: list[Row] = [
         ("rate-matrix", "euler-rate-matrix", [euler]),
         ("rate-inverse", "euler-rate-inverse", [euler]),
         ("rate-one", "matrix-product", ["rate-inverse", "rate-matrix"]),
     ]
-    return angles + _euler_by_turns(p)
+    return angles + rates + matrices + _euler_by_turns(p)
 
 
 def _euler_by_turns(p: Parameters) -> list[Row]:
@@ -206,19 +227,24 @@ def _energy_rows(p: Parameters) -> list[Row]:
     unit_inertia = [1.0]
     omega = p.omega.tolist()
     arm = p.shifts.tolist()[:3]
-    return [
-        # J omega^2/2 with omega = 2 pi f, and with f in its place: the ratio is (2 pi)^2.
+    # J omega^2/2 with omega = 2 pi f, and with f in its place: the ratio is (2 pi)^2.
+    energies: list[Row] = [
         ("energy", "rotation-energy", [unit_inertia, [2 * np.pi * p.frequency]]),
         ("frequency-energy", "rotation-energy", [unit_inertia, [p.frequency]]),
         ("energy-ratio", "quotient", ["energy", "frequency-energy"]),
-        # |omega x r|^2 = omega^2 r^2 - (omega . r)^2.
+    ]
+    # |omega x r|^2 = omega^2 r^2 - (omega . r)^2.
+    squares: list[Row] = [
         ("swept", "cross", [omega, arm]),
         ("swept-square", "vector-dot", ["swept", "swept"]),
         ("swept-by-products", "cross-square", [omega, arm]),
-        # r x (omega x r) = (r^2 1 - r r^T) omega, whose product with omega is |omega x r|^2.
+    ]
+    # r x (omega x r) = (r^2 1 - r r^T) omega, whose product with omega is |omega x r|^2.
+    by_triple_product: list[Row] = [
         ("swept-twice", "cross", [arm, "swept"]),
         ("swept-by-triple", "vector-dot", [omega, "swept-twice"]),
     ]
+    return energies + squares + by_triple_product
 
 
 def sizes(p: Parameters) -> dict[str, float]:

@@ -271,23 +271,23 @@ def fitted(seen: Observed, p: Parameters, numbers: Sequence[Number], matrix: Arr
     of the case; None if the first step leaves the range of the parameters.
     """
     begin = seen.deviations(p)
+    square_at_begin = float(begin @ begin)
     residual = begin
     moved = p
     best: Fit | None = None
     try:
+        values = tuple(float(number.of(p)) for number in numbers)
         for _ in range(ITERATIONS):
             # The least squares solution of M step = run - truth(p).
             step = np.linalg.lstsq(matrix, residual)[0]
             for number, amount in zip(numbers, step, strict=True):
                 moved = number.set_in(moved, number.of(moved) + Fraction(float(amount)))
             residual = seen.deviations(moved)
-            fit = Fit(
-                tuple(numbers),
-                tuple(float(number.of(p)) for number in numbers),
-                tuple(float(number.of(moved) - number.of(p)) for number in numbers),
-                1.0 - float(residual @ residual) / float(begin @ begin),
-                float(np.max(np.abs(residual))),
-            )
+            amounts = tuple(float(number.of(moved) - number.of(p)) for number in numbers)
+            # 1 - |residual|^2/|deviation|^2.
+            explains = 1.0 - float(residual @ residual) / square_at_begin
+            largest = float(np.max(np.abs(residual)))
+            fit = Fit(tuple(numbers), values, amounts, explains, left=largest)
             if best is not None and not fit.left < best.left / 2:
                 break
             best = fit

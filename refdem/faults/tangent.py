@@ -36,6 +36,11 @@ Array = NDArray[np.float64]
 
 MOST_IMPACTS = 64
 """Largest number of impacts in one step; with more the rest of the step is made without them."""
+POSITION = slice(0, 3)
+VELOCITY = slice(3, 6)
+ATTITUDE = slice(6, 10)
+OMEGA = slice(10, 13)
+"""Where the 13 state variables of a body stand in their row."""
 STILL_SMALL = 1e-8
 """Square of half an angle below which two terms of the series of sin(x)/x are exact in binary64."""
 
@@ -339,14 +344,15 @@ def run(request: Request, parts: Parts) -> tuple[Trajectory, Cost]:
         rows.append(_row(bodies, state, carried, t[count] - start))
     numbers = np.array([[[entry.value for entry in body] for body, _ in row] for row in rows])
     slopes = np.array([[[entry.slopes for entry in body] for _, body in row] for row in rows])
+    derivatives = {key: slopes[..., k] for k, key in enumerate(request.sensitivities)}
     trajectory = Trajectory(
         t=np.array(t),
-        position=numbers[..., 0:3],
-        velocity=numbers[..., 3:6],
-        attitude=numbers[..., 6:10],
-        omega=numbers[..., 10:13],
+        position=numbers[..., POSITION],
+        velocity=numbers[..., VELOCITY],
+        attitude=numbers[..., ATTITUDE],
+        omega=numbers[..., OMEGA],
         events=tuple(events),
-        derivatives={key: slopes[..., k] for k, key in enumerate(request.sensitivities)},
+        derivatives=derivatives,
     )
     steps = request.stride * (len(t) - 1)
     return trajectory, Cost(seconds=perf_counter() - begun, steps=steps)

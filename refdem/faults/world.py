@@ -223,19 +223,21 @@ def start_of(scene: Scene, world: World, to_body: Callable[..., Vector]) -> Stat
     omega = _rows(bodies.omega, number)
     omega_body = [to_body(q, w) for q, w in zip(attitude, omega, strict=True)]
     pairs = len(world.pairs)
-    return State(
+    state = State(
         r=_rows(bodies.position, number),
         v=_rows(bodies.velocity, number),
         q=attitude,
         w=omega_body,
         stretch=[ZERO] * pairs,
         work=number(0.0),
-        acting=[False] * pairs,
-        pressing=[False] * pairs,
-        sliding=[False] * pairs,
-        side=[0] * len(world.sliders),
-        caught=[None] * len(world.hooks),
     )
+    # Modes, which are found before the first step.
+    state.acting = [False] * pairs
+    state.pressing = [False] * pairs
+    state.sliding = [False] * pairs
+    state.side = [0] * len(world.sliders)
+    state.caught = [None] * len(world.hooks)
+    return state
 
 
 def _rows(column: Any, number: Callable[[float], Number]) -> list[Any]:

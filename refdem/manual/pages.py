@@ -44,7 +44,15 @@ def page(case: Canonical, sets: list[CertifiedSet]) -> ManualPage:
     ]
     # The docstring of the case on one line.
     convention = " ".join((type(case).__doc__ or "").split())
+    kind = instance.problem.words
     features = tuple(sorted(instance.problem.features))
+    certified_scalars = scalars(instance)
+    moved = moved_lines(instance)
+    where_moved = moved_at(instance)
+    truth = truth_line(case.id, instance, sets)
+    lines_of_checks = tuple(checks(instance))
+    slips = slips_of(case.id)
+    commands = reproduce(case.id, instance)
     return ManualPage(
         case=case.id,
         title=case.title,
@@ -53,17 +61,17 @@ def page(case: Canonical, sets: list[CertifiedSet]) -> ManualPage:
         latex=case.latex,
         source=case.source,
         convention=convention,
-        kind=instance.problem.words,
+        kind=kind,
         features=features,
         parameters=tuple(parameters),
         quantities=tuple(quantities),
-        scalars=scalars(instance),
-        moved=moved_lines(instance),
-        moved_at=moved_at(instance),
-        truth=truth_line(case.id, instance, sets),
-        checks=tuple(checks(instance)),
-        slips=slips_of(case.id),
-        reproduce=reproduce(case.id, instance),
+        scalars=certified_scalars,
+        moved=moved,
+        moved_at=where_moved,
+        truth=truth,
+        checks=lines_of_checks,
+        slips=slips,
+        reproduce=commands,
     )
 
 

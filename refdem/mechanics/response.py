@@ -256,15 +256,15 @@ def _least_excess(balance: _Balance) -> float:
     """
     unit = balance.undamped
     h = balance.h
-    coefficients = [
-        8 * balance.damping * h**3 * unit**5,
-        4 * balance.damping * h**2 * balance.alpha * unit**4,
-        0.0,
-        -2 * balance.damping * h * balance.square * unit**2,
-        0.0,
-        -3 * balance.square**2,
-    ]
-    roots = np.roots(coefficients)
+    d = balance.damping
+    force_square = balance.square
+    # With S = s S_0: 8 d h^3 S_0^5 s^5 + 4 d h^2 alpha S_0^4 s^4 - 2 d h f0^2 S_0^2 s^2 - 3 f0^4,
+    # where S_0 is the undamped fold.
+    fifth = 8 * d * h**3 * unit**5
+    fourth = 4 * d * h**2 * balance.alpha * unit**4
+    second = -2 * d * h * force_square * unit**2
+    constant = -3 * force_square**2
+    roots = np.roots([fifth, fourth, 0.0, second, 0.0, constant])
     positive = roots.real[(roots.imag == 0) & (roots.real > 0)]
     return float(unit * np.min(positive, initial=np.inf))
 

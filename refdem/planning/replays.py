@@ -182,20 +182,25 @@ def replay(subject: Subject, anchor: Anchor, candidates: Iterable[Candidate]) ->
     # Displacements from the start are stored, most of which are 0.
     moved = (position[frames] - position[0]).reshape(len(frames), -1)
     turned = (attitude[frames] - attitude[0]).reshape(len(frames), -1)
+    times = tuple(float(f"{time:.6g}") for time in t[frames])
+    drawn = [_body(bodies, n, position[0, n], attitude[0, n]) for n in range(len(bodies))]
+    planes = [DrawnPlane(point=p.point, normal=p.normal) for p in scene.all(Plane)]
+    axes = view(scene, position[:until], attitude[:until])
+    contacts = _contacts(anchor.trajectory.events, t, frames)
     return Replay(
         label=instance.label,
-        t=tuple(float(f"{time:.6g}") for time in t[frames]),
-        bodies=tuple(_body(bodies, n, position[0, n], attitude[0, n]) for n in range(len(bodies))),
+        t=times,
+        bodies=tuple(drawn),
         links=tuple(_links(scene)),
-        planes=tuple(DrawnPlane(point=p.point, normal=p.normal) for p in scene.all(Plane)),
+        planes=tuple(planes),
         touches=bool(scene.all(Contact)),
-        view=view(scene, position[:until], attitude[:until]),
+        view=axes,
         place=Grid.of(moved),
         turn=Grid.of(turned),
         certified=certified,
         anchor=anchor.method,
         anchor_error=anchor.error,
-        contacts=_contacts(anchor.trajectory.events, t, frames),
+        contacts=contacts,
         tracks=tuple(tracks.values()),
     )
 
@@ -275,13 +280,16 @@ def _track(candidate: Candidate, stage: Stage) -> Track:
     turn[:, ~stage.turning] = 0.0
     frames = stage.frames
     shape = (len(frames), -1)
+    # Displacements from truth are cut where the body is far outside of the picture.
+    place = np.clip(away[frames], -stage.reach, stage.reach).reshape(shape)
     shown = slice(frames[-1] + 1)
+    method = candidate.task.method
     return Track(
         engine=candidate.task.engine.name,
-        method=candidate.task.method.name,
-        control=candidate.task.method.control,
+        method=method.name,
+        control=method.control,
         level=level,
-        place=Grid.of(np.clip(away[frames], -stage.reach, stage.reach).reshape(shape)),
+        place=Grid.of(place),
         turn=Grid.of(turn[frames].reshape(shape)),
         largest=_largest(away[shown]),
         largest_turn=_largest(turn[shown]),

@@ -97,6 +97,10 @@ def _case_pages(
     neighbours = [None, *labels, None]
     for number, sheet in enumerate(contents.cases):
         label = sheet.label
+        counts = contents.counts(contents.of(label))
+        # `neighbours` has one entry more in front: the case itself is at number + 1.
+        before = neighbours[number]
+        after = neighbours[number + 2]
         text = template.render(
             shared,
             root="../",
@@ -105,11 +109,11 @@ def _case_pages(
             rows=rows[label],
             specs=specs[label],
             equations=equations(sheet.latex),
-            counts=contents.counts(contents.of(label)),
+            counts=counts,
             distances=distances(rows[label]),
             moved=contents.moved.get(label),
-            before=neighbours[number],
-            after=neighbours[number + 2],
+            before=before,
+            after=after,
         )
         yield f"cases/{page(label)}.html", text
 

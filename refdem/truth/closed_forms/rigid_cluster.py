@@ -347,18 +347,16 @@ class RigidCluster(ClosedForm):
 
         def rates(q: Sequence[Any]) -> list[Any]:
             a, b, c, d = q
+            # L_body = R^T L, and omega = J^-1 L_body.
             columns = rotation.transposed(rotation.matrix(q))
-            wx, wy, wz = (
-                dot(row, [dot(column, momentum) for column in columns]) for row in inverse
-            )
-            # Hamilton's product (a, b, c, d) (0, omega).
-            turning = [
-                -(b * wx + c * wy + d * wz),
-                a * wx + c * wz - d * wy,
-                a * wy + d * wx - b * wz,
-                a * wz + b * wy - c * wx,
-            ]
-            return [rate / 2 for rate in turning]
+            momentum_body = [dot(column, momentum) for column in columns]
+            wx, wy, wz = (dot(row, momentum_body) for row in inverse)
+            # 2 q' = q (0, omega), Hamilton's product of (a, b, c, d) and (0, omega).
+            twice_a = -(b * wx + c * wy + d * wz)
+            twice_b = a * wx + c * wz - d * wy
+            twice_c = a * wy + d * wx - b * wz
+            twice_d = a * wz + b * wy - c * wx
+            return [twice_a / 2, twice_b / 2, twice_c / 2, twice_d / 2]
 
         def seen(q: Sequence[arb]) -> dict[str, arb]:
             return places_of(centre, arms, q)

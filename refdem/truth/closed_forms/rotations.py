@@ -175,35 +175,56 @@ def values(p: Parameters) -> dict[str, list[arb]]:
 def euler_by_turns(p: Parameters) -> dict[str, list[arb]]:
     """The three turns of Euler's angles, R_z(phi) R_x(theta) R_z(psi), their inverse, and the first
     of the shifts r as R r and R^T (R r) = r.
+
+    A turn by the opposite angle has -s for its sine s.
     """
     phi, theta, psi = (arb_of(angle) for angle in vector(p, "euler"))
     s_phi, c_phi = phi.sin_cos()
     s_theta, c_theta = theta.sin_cos()
     s_psi, c_psi = psi.sin_cos()
-    zero = arb(0)
-    one = arb(1)
+    # R = Rz(phi) Rx(theta) Rz(psi), from the left.
     whole = euler_matrix(phi, theta, psi)
-    transposed = [whole[3 * j + i] for i in range(3) for j in range(3)]
-    arm = [arb_of(x) for x in vector(p, "shifts")[:3]]
-    carried = [sum((whole[3 * i + j] * arm[j] for j in range(3)), zero) for i in range(3)]
-    # The first two rows of Rz(phi) Rx(theta), and of Rz(-psi) Rx(-theta).
-    z_x = [c_phi, -s_phi * c_theta, s_phi * s_theta, s_phi, c_phi * c_theta, -c_phi * s_theta]
-    z_x_back = [c_psi, s_psi * c_theta, s_psi * s_theta, -s_psi, c_psi * c_theta, c_psi * s_theta]
-    return {
-        "turn-phi": [c_phi, -s_phi, zero, s_phi, c_phi, zero, zero, zero, one],
-        "turn-theta": [one, zero, zero, zero, c_theta, -s_theta, zero, s_theta, c_theta],
-        "turn-psi": [c_psi, -s_psi, zero, s_psi, c_psi, zero, zero, zero, one],
-        "turn-phi-theta": [*z_x, zero, s_theta, c_theta],
+    there = {
+        "turn-phi": about_z(s_phi, c_phi),
+        "turn-theta": about_x(s_theta, c_theta),
+        "turn-psi": about_z(s_psi, c_psi),
+        "turn-phi-theta": about_z_after_x(s_phi, c_phi, s_theta, c_theta),
         "euler-by-turns": whole,
-        "turn-phi-back": [c_phi, s_phi, zero, -s_phi, c_phi, zero, zero, zero, one],
-        "turn-theta-back": [one, zero, zero, zero, c_theta, s_theta, zero, -s_theta, c_theta],
-        "turn-psi-back": [c_psi, s_psi, zero, -s_psi, c_psi, zero, zero, zero, one],
-        "turn-psi-theta-back": [*z_x_back, zero, -s_theta, c_theta],
+    }
+    # R^-1 = Rz(-psi) Rx(-theta) Rz(-phi) = R^T.
+    transposed = [whole[3 * j + i] for i in range(3) for j in range(3)]
+    back = {
+        "turn-phi-back": about_z(-s_phi, c_phi),
+        "turn-theta-back": about_x(-s_theta, c_theta),
+        "turn-psi-back": about_z(-s_psi, c_psi),
+        "turn-psi-theta-back": about_z_after_x(-s_psi, c_psi, -s_theta, c_theta),
         "euler-inverse": transposed,
         "euler-transposed": transposed,
-        "euler-carried": carried,
-        "euler-carried-back": arm,
     }
+    # (R r)_i = sum_j R_ij r_j, and R^T (R r) = r.
+    arm = [arb_of(x) for x in vector(p, "shifts")[:3]]
+    carried = [sum((whole[3 * i + j] * arm[j] for j in range(3)), arb(0)) for i in range(3)]
+    return there | back | {"euler-carried": carried, "euler-carried-back": arm}
+
+
+def about_x(s: arb, c: arb) -> list[arb]:
+    """The matrix Rx of a turn about x, row by row, from sine and cosine of its angle."""
+    zero = arb(0)
+    return [arb(1), zero, zero, zero, c, -s, zero, s, c]
+
+
+def about_z(s: arb, c: arb) -> list[arb]:
+    """The matrix Rz of a turn about z, row by row, from sine and cosine of its angle."""
+    zero = arb(0)
+    return [c, -s, zero, s, c, zero, zero, zero, arb(1)]
+
+
+def about_z_after_x(s_z: arb, c_z: arb, s_x: arb, c_x: arb) -> list[arb]:
+    """The product Rz Rx, row by row, from sines and cosines of both angles."""
+    row_x = [c_z, -s_z * c_x, s_z * s_x]
+    row_y = [s_z, c_z * c_x, -c_z * s_x]
+    row_z = [arb(0), s_x, c_x]
+    return [*row_x, *row_y, *row_z]
 
 
 def of_multiples(p: Parameters) -> dict[str, list[arb]]:
@@ -249,7 +270,7 @@ def by_small_turns(p: Parameters) -> dict[str, list[arb]]:
     s, c = h.sin_cos()
     zero = arb(0)
     one = arb(1)
-    small_x = [one, zero, zero, zero, c, -s, zero, s, c]
+    small_x = about_x(s, c)
     small_y = [c, zero, s, zero, one, zero, -s, zero, c]
     # Rx(h) Ry(h) and Ry(h) Rx(h).
     x_after_y = [c, zero, s, s * s, c, -s * c, -s * c, s, c * c]
@@ -262,7 +283,7 @@ def by_small_turns(p: Parameters) -> dict[str, list[arb]]:
     beyond = s * s - h * h
     beyond_leading = [zero, -beyond, third, beyond, zero, *beside]
     # Turns by -h have -s for s.
-    small_x_back = [one, zero, zero, zero, c, s, zero, -s, c]
+    small_x_back = about_x(-s, c)
     small_y_back = [c, zero, -s, zero, one, zero, s, zero, c]
     both_back = [c, zero, -s, s * s, c, s * c, s * c, -s, c * c]
     # cos(angle/2) = 1 - 2 sin^4(h/2), so that sin(angle/4) = sin^2(h/2).

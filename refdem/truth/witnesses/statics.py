@@ -205,10 +205,14 @@ def solids(p: Mapping[str, Exact]) -> dict[str, Rule]:
         "angle-plate": plate,
         "points": masses,
     }
+    # The cavity has f times the lengths of the solid; that of the cylinder goes through.
+    a_inside = a * f
+    b_inside = b * f
+    c_inside = c * f
     hollow = {
-        "hollow-cuboid": without(boxed(a, b, c), boxed(a * f, b * f, c * f)),
-        "hollow-cylinder": without(cylinder(a, a, c), cylinder(a * f, a * f, c)),
-        "hollow-sphere": without(ellipsoid(a, a, a), ellipsoid(a * f, a * f, a * f)),
+        "hollow-cuboid": without(boxed(a, b, c), boxed(a_inside, b_inside, c_inside)),
+        "hollow-cylinder": without(cylinder(a, a, c), cylinder(a_inside, a_inside, c)),
+        "hollow-sphere": without(ellipsoid(a, a, a), ellipsoid(a_inside, a_inside, a_inside)),
     }
     # The radius of the stick, and that inside the hoop.
     thin = number(p, "thin")

@@ -11,32 +11,8 @@ import field_results
 import pytest
 from msgspec.structs import replace
 
-from refdem.core.finding import Finding, Level, Record
 from refdem.report.jsonl import RECORDS, lines
-
-
-def record(case, engine, *findings):
-    """A record of one method."""
-    return Record(
-        case=case,
-        label=case,
-        parameters={},
-        engine=engine,
-        version="1",
-        method="m",
-        is_reference=False,
-        runs=(),
-        findings=findings,
-    )
-
-
-def errors(quantity, *pairs):
-    """A finding of check `error` on levels, each half the step, of these errors and seconds."""
-    levels = tuple(
-        Level(level=0.5**n, error=error, bound=1.0, seconds=seconds, counts=True)
-        for n, (error, seconds) in enumerate(pairs)
-    )
-    return Finding(check="error", quantity=quantity, outcome="pass", sentence="", levels=levels)
+from tests.ci.field.records import errors, record
 
 
 def test_a_code_without_its_environment_is_told_of(tmp_path, monkeypatch):
@@ -175,7 +151,7 @@ def gates(tmp_path, monkeypatch):
 
     def ran(names, error, status=0):
         def gated(name):
-            found = record("pendulum", name, errors("x", (error, 0.001)))
+            found = record(errors("x", (error, 0.001)), engine=name)
             home = field.OUT / name
             home.mkdir(parents=True)
             (home / RECORDS).write_bytes(lines([found]))

@@ -3,38 +3,8 @@
 import field_results
 import pytest
 
-from refdem.core.finding import Finding, Level, Record
-
-
-def record(*findings, label="pendulum", method="m"):
-    """A record of one method."""
-    return Record(
-        case=label.partition("[")[0],
-        label=label,
-        parameters={},
-        engine="ode",
-        version="1",
-        method=method,
-        is_reference=False,
-        runs=(),
-        findings=findings,
-    )
-
-
-def errors(quantity, *pairs):
-    """A finding of check `error` on levels, each half the step, of these errors and seconds."""
-    levels = tuple(
-        Level(level=0.5**n, error=error, bound=1.0, seconds=seconds, counts=True)
-        for n, (error, seconds) in enumerate(pairs)
-    )
-    return Finding(
-        check="error",
-        quantity=quantity,
-        outcome="pass",
-        sentence="",
-        levels=levels,
-        order_claimed=1.0,
-    )
+from refdem.core.finding import Finding
+from tests.ci.field.records import errors, record
 
 
 def finding(check, quantity, outcome, sentence="", value=None):
