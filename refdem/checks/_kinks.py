@@ -15,7 +15,7 @@ from refdem.core.judgement import PREDICTION_FACTOR
 from refdem.core.refinement import kinked
 from refdem.core.trajectory import Trajectory
 from refdem.scene.elements.contact import Contact
-from refdem.scene.singularity import JUMP
+from refdem.scene.singularity import JUMP, sharpest_exponent
 
 OWN_SHARE = 0.1
 """Part of the largest of any quantity, of a change at a halving or of a rate, that a single
@@ -44,11 +44,10 @@ def sharpest_kink(subject: Subject, step: float, run: Trajectory) -> float:
     """
     scene = subject.instance.scene
     limits = [limit for _, limit in scene.singularities()]
-    sharpest = min((limit.exponent for limit in limits), default=float(np.inf))
     jumping = {limit.feature for limit in limits if limit.exponent == JUMP}
     if jumping == {"contact:friction"} and alternating_slip(subject, run, step) == 0.0:
         return min(law.exponent for law in scene.all(Contact))
-    return sharpest
+    return sharpest_exponent(limits)
 
 
 def least_shares(changes: Mapping[str, Sequence[Array]]) -> dict[str, Array]:

@@ -59,7 +59,7 @@ from refdem.core.trajectory import Trajectory
 from refdem.core.truth import SampledTruth
 from refdem.core.variant import Variant
 from refdem.errors import NotCertifiedError
-from refdem.scene.singularity import JUMP
+from refdem.scene.singularity import JUMP, sharpest_exponent
 
 MOST_BODIES = 100
 """Largest number of bodies of a scene for which derivatives are requested."""
@@ -283,8 +283,9 @@ def _derivative_order(subject: Subject) -> float:
     if method.control != "step" or method.locates_events:
         return order
     scene = subject.instance.scene
-    smooth = [limit.exponent for _, limit in scene.singularities() if limit.exponent > JUMP]
-    return min([order, *smooth])
+    # The state has order n + 1 there, and its derivative by a parameter one less.
+    continuous = [limit for _, limit in scene.singularities() if limit.exponent > JUMP]
+    return min(order, sharpest_exponent(continuous))
 
 
 def _lost_order(subject: Subject) -> float:

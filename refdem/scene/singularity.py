@@ -8,6 +8,7 @@ a kink n = 1. Measured: RK4 has 2.26 for n = 5/4, 2.57 for n = 3/2 and 3.08 for 
 """
 
 import math
+from collections.abc import Iterable
 from typing import NamedTuple
 
 JUMP = 0.0
@@ -36,3 +37,10 @@ class Singularity(NamedTuple):
     def key(self) -> str:
         """The line of `refdem.toml` by which a method declares this order."""
         return f'order_with = {{ "{self.feature}" = {math.floor(self.order)} }}'
+
+
+def sharpest_exponent(singularities: Iterable[Singularity]) -> float:
+    """The exponent n of the force |s|^n through the sharpest of some singularities; infinite
+    without one.
+    """
+    return min((singular.exponent for singular in singularities), default=math.inf)

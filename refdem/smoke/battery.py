@@ -22,7 +22,7 @@ from refdem.errors import UnsupportedError
 from refdem.mechanics import momentum
 from refdem.mechanics.quaternion import conjugate, rotated
 from refdem.scene.elements.periodic_box import PeriodicBox
-from refdem.scene.singularity import KINK
+from refdem.scene.singularity import KINK, sharpest_exponent
 from refdem.smoke.clock import bounded, counted, refuse_other_shape
 from refdem.smoke.diagnosis import diagnosed
 from refdem.smoke.force_probes import force_probes
@@ -277,8 +277,7 @@ def _sharpest_kink(probe: Probe) -> float:
     """The exponent n of the force |s|^n through the sharpest kink of the scene; infinite without
     one.
     """
-    exponents = [limit.exponent for _, limit in probe.scene.singularities()]
-    return min(exponents, default=float(np.inf))
+    return sharpest_exponent(limit for _, limit in probe.scene.singularities())
 
 
 def _allowed(method: Method, probe: Probe, change: float | None) -> tuple[float, str]:
