@@ -19,8 +19,11 @@ The step that a DEM code chooses, accepts without a warning or shows in its docu
 contacts of each setting. Beside it stands the part that it is of 2/omega, the largest step at which
 velocity Verlet is stable, and the largest error of velocity Verlet against certified truth with
 that step, in the worst quantity and in units of its scale. A part above 1 is unstable: the contact
-gains energy, and a larger step does not resolve it at all. An error of 0.01 is one per cent. No run
-has a step that is longer than it.
+gains energy, and a larger step does not resolve it at all. An error of 0.01 is one per cent. There
+is no run where a step is longer than the run.
+
+The velocity Verlet that is measured ends steps where a contact begins, sticks, slips or ends. DEM
+codes take steps of one size, which end elsewhere: their errors may be several times as large.
 
 Every rule is a formula of the code's documentation or source, which the last table names. It is
 applied to refdem's scene; no code runs here. Rules with the Rayleigh time need a shear modulus,

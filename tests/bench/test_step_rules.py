@@ -160,3 +160,48 @@ def test_values_are_those_of_the_sampled_truth() -> None:
     truth = step_rules.certified_values(instance, instance.truth())
     whole = sampled(instance.truth(), instance.times.tolist())
     assert (truth.t, truth.values, truth.radii) == (whole.t, whole.values, whole.radii)
+
+
+def fixed_steps(stiffness: float, duration: float, steps: int) -> float:
+    """The largest error of velocity Verlet of two spheres of 1 kg, one size of steps, that touch at
+    the start and approach at 1 m/s: of place or velocity, over the scales of two-spheres.
+    """
+    # Half the overlap, of either sphere: x'' = -2 k x.
+    omega = math.sqrt(2 * stiffness)
+    scale = 1 / omega
+    h = duration / steps
+    x, v, force = 0.0, 0.5, 0.0
+    largest = 0.0
+    for step in range(1, steps + 1):
+        v += h / 2 * force
+        x += h * v
+        force = -(omega**2) * max(x, 0.0)
+        v += h / 2 * force
+        t = step * h
+        exact, exact_v = math.sin(omega * t) / (2 * omega), math.cos(omega * t) / 2
+        if omega * t > math.pi:
+            exact, exact_v = -(t - math.pi / omega) / 2, -0.5
+        largest = max(largest, abs(x - exact) / scale, abs(v - exact_v))
+    return largest
+
+
+def test_steps_of_one_size_are_never_better_and_may_be_several_times_worse() -> None:
+    instance = discovery.case("two-spheres").at()
+    ratios = []
+    for one in step_rules.judged(instance):
+        assert one.error is not None
+        duration = instance.scales.duration
+        steps = max(math.ceil(duration / one.step), 2)
+        ratios.append(fixed_steps(128.0, duration, steps) / one.error)
+    assert min(ratios) > 0.9
+    assert 3 < max(ratios) < 10
+
+
+def test_steps_that_end_at_contacts_leave_the_error_of_the_phase() -> None:
+    # Of a contact of pi/omega, (omega h)^2/24 is lost; the centres then part at 1/2 m/s each.
+    instance = discovery.case("two-spheres").at()
+    (found,) = (one for one in step_rules.judged(instance) if one.advice.code == "MFIX-Exa")
+    assert found.error is not None
+    omega = 1 / instance.scales.tau
+    lost = (omega * found.step) ** 2 / 24 * math.pi / omega
+    assert found.error == pytest.approx(lost / 2 * omega, rel=0.1)
