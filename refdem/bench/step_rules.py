@@ -5,19 +5,22 @@ velocity Verlet and the error at each of them.
 import math
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
+from fractions import Fraction
 from itertools import combinations
 
 import numpy as np
 
 from refdem.bench.entrant import Entrant
-from refdem.bench.session import sampled_truth
 from refdem.core import discovery
 from refdem.core.case import Case, Instance
-from refdem.errors import EngineError, UsageError
+from refdem.core.truth import SampledTruth, Truth
+from refdem.errors import EngineError, NotCertifiedError, UsageError
+from refdem.planning.kept_truth import kept_truth
 from refdem.scene.elements.contact import Contact
 from refdem.scene.elements.plane import Plane
 from refdem.scene.scene import Scene
 from refdem.scene.shapes import Sphere
+from refdem.truth.balls import UndecidedError
 
 POISSON = 0.25
 """Poisson's ratio of a material of which a scene under Hertz's law has the stiffness alone."""
@@ -204,7 +207,8 @@ class Judged:
 
     `part` is the step over the limit of stability 2/omega. `error` is the largest error of velocity
     Verlet over the run, of the worst quantity in units of its scale, with the largest step of at
-    most this one that divides the duration; None where the run failed.
+    most this one that divides the duration; None where the run failed, or the step is longer than
+    the run.
     """
 
     advice: Advice
@@ -262,7 +266,8 @@ def _pair(
 def judged(instance: Instance) -> list[Judged]:
     """The steps of all rules that have an answer for the instance, each with its error.
 
-    Raises UsageError without a soft contact of spheres, or without certified truth.
+    Raises UsageError without a soft contact of spheres, or without certified truth of the whole
+    run.
     """
     if isinstance(instance.case, Case) and len(instance.scene.bodies.shape) > MOST_SPHERES:
         raise UsageError(
@@ -276,22 +281,30 @@ def judged(instance: Instance) -> list[Judged]:
         )
     touching = pairs(instance.scene)
     limit = 2 * instance.scales.tau
+    # A truth that is kept says at once where the proof ends, which may take a minute to see.
+    kept = kept_truth(instance)
+    if kept is not None:
+        refuse_partial(kept, instance)
+    proof = instance.truth()
     found = []
     for advice in ADVICE:
         times = [time for pair in touching if (time := advice.rule(pair)) is not None]
         if times:
             step = advice.share * min(times)
-            error = error_at(instance, step)
+            error = error_at(instance, proof, step)
             found.append(Judged(advice=advice, step=step, part=step / limit, error=error))
     return found
 
 
-def error_at(instance: Instance, step: float) -> float | None:
-    """The largest error of velocity Verlet over the run, in units of the scale of each quantity,
-    with at most this step [s]; None where the engine has no answer.
+def error_at(instance: Instance, proof: Truth, step: float) -> float | None:
+    """The largest error of velocity Verlet over the run against `proof`, in units of the scale of
+    each quantity, with at most this step [s]; None where the engine has no answer, or the run is
+    shorter than the step.
 
     Each step is a sample, or the last of a few where there are more than MOST_SAMPLES.
     """
+    if step > instance.scales.duration:
+        return None
     steps = max(math.ceil(instance.scales.duration / step), 2)
     samples = math.ceil(steps / math.ceil(steps / MOST_SAMPLES))
     sampled = instance.case.at(**{**instance.p.changed(), "samples": str(samples)})
@@ -301,9 +314,55 @@ def error_at(instance: Instance, step: float) -> float | None:
     engine = discovery.engine("reference")
     method = next(one for one in engine.methods if one.name == METHOD)
     entrant = Entrant(sampled, engine, method, (level,))
-    truth = sampled_truth(sampled, [entrant])
+    truth = certified_values(sampled, proof)
     try:
         trajectory, _ = entrant.run(level)
     except EngineError:
         return None
     return max(entrant.errors(trajectory, truth, level).values())
+
+
+def certified_values(instance: Instance, proof: Truth) -> SampledTruth:
+    """The values that `proof` certifies at the samples of an instance, without S, which bounds
+    need and errors do not, and whose proof takes much longer.
+
+    Raises UsageError if a sample is not certified: the largest error may be there.
+    """
+    times = instance.times.tolist()
+    values: dict[str, list[float]] = {}
+    radii: dict[str, list[float]] = {}
+    until = 0
+    reason = ""
+    for t in times:
+        try:
+            balls = proof.at(Fraction(t))
+        except (NotCertifiedError, UndecidedError) as error:
+            reason = str(error)
+            break
+        for name, ball in balls.items():
+            value, radius = ball.rounded()
+            values.setdefault(name, []).append(value)
+            radii.setdefault(name, []).append(radius)
+        until += 1
+    truth = SampledTruth(
+        t=times,
+        values=values,
+        radii=radii,
+        sensitivity=[],
+        scalars={},
+        method=proof.method,
+        witness=proof.witness,
+        until=until,
+        reason=reason,
+    )
+    refuse_partial(truth, instance)
+    return truth
+
+
+def refuse_partial(truth: SampledTruth, instance: Instance) -> None:
+    """Raises UsageError if the truth does not reach the end of the run."""
+    if truth.until < len(truth.t):
+        raise UsageError(
+            f"{instance.label} has no certified truth of the whole run, against which errors are"
+            f" measured: {truth.reason}"
+        )

@@ -18,6 +18,8 @@ if TYPE_CHECKING:
 
 MOST_DIGITS = 15.0
 """Largest number of digits that can be requested: binary64 has no more."""
+DIGITS = 3.0
+"""Correct digits that are wanted if none are given."""
 MOST_ROWS = 40
 """Largest number of settings that a table shows separately, one screen of them."""
 CHECKS = ("error", "order")
@@ -47,8 +49,14 @@ def command(
         ),
     ] = "",
     digits: Annotated[
-        float, typer.Option(help="Correct digits that are wanted.", min=0.0, max=MOST_DIGITS)
-    ] = 3.0,
+        float | None,
+        typer.Option(
+            help="Correct digits that are wanted.",
+            min=0.0,
+            max=MOST_DIGITS,
+            show_default=f"{DIGITS:g}",
+        ),
+    ] = None,
     set: options.Settings = None,
     rules: Annotated[
         bool,
@@ -77,13 +85,16 @@ def command(
     from refdem.report import advice
 
     if rules:
-        from refdem.cli.step_rules import show
+        from refdem.cli.step_rules import refuse_without_use, show
 
+        refuse_without_use({"--engine": engine, "--digits": digits, "--jobs": jobs})
         show(asked(case or [], set or [], motion), out, json=json)
         return
     if out is not None:
         raise UsageError("got --out without --rules; expected both, or neither")
     contents = measured(asked(case or [], set or [], motion), engine or [], jobs, CHECKS)
+    if digits is None:
+        digits = DIGITS
     found = advice.recommendations(advice.choices(contents, digits))
     losses = advice.losses(contents)
     if json:

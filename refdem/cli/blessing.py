@@ -11,9 +11,11 @@ if TYPE_CHECKING:
 
 
 def refuse_without_why(why: str, *, is_asked: bool) -> None:
-    """Raises UsageError if findings are to be accepted without a reason."""
+    """Raises UsageError for findings to be accepted without a reason, or a reason alone."""
     if is_asked and not why.strip():
         raise UsageError("--bless requires --why: state briefly why these findings are correct")
+    if why and not is_asked:
+        raise UsageError("got --why without --bless; expected both, or neither")
 
 
 def accept(path: Path, engine: str, records: "list[Record]", why: str) -> None:
@@ -29,7 +31,14 @@ def accept(path: Path, engine: str, records: "list[Record]", why: str) -> None:
         print(one_line(line))
     count = baseline.write(path, records, why)
     print(one_line(f"baseline {path}: {count} findings accepted"))
-    failing = sum(finding.outcome == "fail" for _, finding in findings_of(records))
+    outcomes = [finding.outcome for _, finding in findings_of(records)]
+    broken = outcomes.count("error")
+    if broken:
+        print(
+            f"errors: {broken}; what their runs would have shown is not in the baseline: once they"
+            " work, accept again"
+        )
+    failing = outcomes.count("fail")
     if failing:
         print(
             f"{failing} of them fail, which no baseline can accept: correct the program or a claim"

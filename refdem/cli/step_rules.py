@@ -2,7 +2,7 @@
 
 import json as encoder
 import sys
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -19,11 +19,25 @@ The step that a DEM code chooses, accepts without a warning or shows in its docu
 contacts of each setting. Beside it stands the part that it is of 2/omega, the largest step at which
 velocity Verlet is stable, and the largest error of velocity Verlet against certified truth with
 that step, in the worst quantity and in units of its scale. A part above 1 is unstable: the contact
-gains energy, and a larger step does not resolve it at all. An error of 0.01 is one per cent.
+gains energy, and a larger step does not resolve it at all. An error of 0.01 is one per cent. There
+is no run where a step is longer than the run.
+
+The velocity Verlet that is measured ends steps where a contact begins, sticks, slips or ends. DEM
+codes take steps of one size, which end elsewhere: their errors may be several times as large.
 
 Every rule is a formula of the code's documentation or source, which the last table names. It is
 applied to refdem's scene; no code runs here. Rules with the Rayleigh time need a shear modulus,
 which follows from Hertz's stiffness with Poisson's ratio 1/4."""
+
+
+def refuse_without_use(options: Mapping[str, object]) -> None:
+    """Raises UsageError if an option is given that means nothing with --rules."""
+    given = [name for name, value in options.items() if value not in (None, [])]
+    if given:
+        raise UsageError(
+            f"got {' and '.join(given)} with --rules, which always judges velocity Verlet of the"
+            " reference, in one process; expected only cases or --motion, --set, --out and --json"
+        )
 
 
 def show(specification: "Specification", out: Path | None, *, json: bool) -> None:
@@ -33,9 +47,12 @@ def show(specification: "Specification", out: Path | None, *, json: bool) -> Non
     other.
     """
     from refdem.bench.step_rules import judged
+    from refdem.cli.outputs import refuse_unwritable
     from refdem.core import discovery
     from refdem.report.files import written
 
+    if out is not None:
+        refuse_unwritable(out)
     found: dict[str, list[Judged]] = {}
     refused: list[UsageError] = []
     for entry in specification.case:

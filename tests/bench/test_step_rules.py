@@ -1,17 +1,21 @@
 """Steps that DEM codes choose or accept, by hand and from the motions of the cases."""
 
 import math
+from fractions import Fraction
+from typing import cast
 
 import pytest
 
 from refdem.bench import step_rules
 from refdem.core import discovery
-from refdem.errors import UsageError
+from refdem.core.truth import Ball, Truth
+from refdem.errors import NotCertifiedError, UsageError
 from refdem.scene.bodies import Body
 from refdem.scene.elements.contact import Contact
 from refdem.scene.elements.plane import Plane
 from refdem.scene.scene import Scene
 from refdem.scene.shapes import Sphere
+from refdem.truth.sampled import sampled
 
 
 def ball(x: float = 0.0, vx: float = 0.0, mass: float = 1.0, *, fixed: bool = False) -> Body:
@@ -117,3 +121,87 @@ def test_a_step_beyond_the_limit_is_wrong_altogether_and_errors_fall_with_the_st
 def test_a_scene_without_soft_contacts_is_refused(case: str) -> None:
     with pytest.raises(UsageError, match="two-spheres or hertz-spheres"):
         step_rules.judged(discovery.case(case).at())
+
+
+def test_a_step_that_is_longer_than_the_run_has_no_error() -> None:
+    # Damping far above critical: tau is m/c, and the run a few of these.
+    found = step_rules.judged(discovery.case("two-spheres").at(damping="1000"))
+    assert [one.advice.code for one in found] == ["exaDEM", "YADE", "exaDEM"]
+    assert [one.error for one in found] == [None, None, None]
+
+
+def test_a_truth_that_ends_before_the_run_is_refused() -> None:
+    # Of main, and kept: 8 of 17 samples are certified.
+    cut = {"damping": "1", "tangential_stiffness": "96", "friction": "0.25", "angle": "0.5"}
+    instance = discovery.case("two-spheres").at(**cut, spins="1,0.5,0,0,0,0", samples="16")
+    with pytest.raises(UsageError, match=r"no certified truth of the whole run.* grazing"):
+        step_rules.judged(instance)
+
+
+def test_a_proof_that_ends_before_the_run_is_refused() -> None:
+    instance = discovery.case("two-spheres").at(samples="4")
+
+    class Cut:
+        """A proof of the first half of the run."""
+
+        method = witness = ""
+
+        def at(self, t: Fraction) -> dict[str, Ball]:
+            if t > Fraction(instance.scales.duration) / 2:
+                raise NotCertifiedError("it ends here")
+            return {}
+
+    with pytest.raises(UsageError, match=r"of the whole run.*: it ends here"):
+        step_rules.certified_values(instance, cast("Truth", Cut()))
+
+
+def test_values_are_those_of_the_sampled_truth() -> None:
+    instance = discovery.case("two-spheres").at(samples="4")
+    truth = step_rules.certified_values(instance, instance.truth())
+    whole = sampled(instance.truth(), instance.times.tolist())
+    assert (truth.t, truth.values, truth.radii) == (whole.t, whole.values, whole.radii)
+
+
+def fixed_steps(stiffness: float, duration: float, steps: int) -> float:
+    """The largest error of velocity Verlet of two spheres of 1 kg, one size of steps, that touch at
+    the start and approach at 1 m/s: of place or velocity, over the scales of two-spheres.
+    """
+    # Half the overlap, of either sphere: x'' = -2 k x.
+    omega = math.sqrt(2 * stiffness)
+    scale = 1 / omega
+    h = duration / steps
+    x, v, force = 0.0, 0.5, 0.0
+    largest = 0.0
+    for step in range(1, steps + 1):
+        v += h / 2 * force
+        x += h * v
+        force = -(omega**2) * max(x, 0.0)
+        v += h / 2 * force
+        t = step * h
+        exact, exact_v = math.sin(omega * t) / (2 * omega), math.cos(omega * t) / 2
+        if omega * t > math.pi:
+            exact, exact_v = -(t - math.pi / omega) / 2, -0.5
+        largest = max(largest, abs(x - exact) / scale, abs(v - exact_v))
+    return largest
+
+
+def test_steps_of_one_size_are_never_better_and_may_be_several_times_worse() -> None:
+    instance = discovery.case("two-spheres").at()
+    ratios = []
+    for one in step_rules.judged(instance):
+        assert one.error is not None
+        duration = instance.scales.duration
+        steps = max(math.ceil(duration / one.step), 2)
+        ratios.append(fixed_steps(128.0, duration, steps) / one.error)
+    assert min(ratios) > 0.9
+    assert 3 < max(ratios) < 10
+
+
+def test_steps_that_end_at_contacts_leave_the_error_of_the_phase() -> None:
+    # Of a contact of pi/omega, (omega h)^2/24 is lost; the centres then part at 1/2 m/s each.
+    instance = discovery.case("two-spheres").at()
+    (found,) = (one for one in step_rules.judged(instance) if one.advice.code == "MFIX-Exa")
+    assert found.error is not None
+    omega = 1 / instance.scales.tau
+    lost = (omega * found.step) ** 2 / 24 * math.pi / omega
+    assert found.error == pytest.approx(lost / 2 * omega, rel=0.1)

@@ -193,3 +193,19 @@ def test_of_more_settings_than_fit_a_screen_each_case_shows_the_one_that_asks_mo
     grouped = table(recommendations([*many, choice("b", 1, 0.5)]))
     assert [line.split()[0] for line in grouped[1:3]] == [f"a[mass={MOST_ROWS}]", "b[mass=1]"]
     assert grouped[3].startswith("one row per case")
+
+
+@pytest.mark.parametrize("option", [("--digits", "3"), ("--engine", "mujoco"), ("--jobs", "1")])
+def test_an_option_that_means_nothing_with_rules_is_refused(option):
+    with pytest.raises(UsageError, match=f"got {option[0]} with --rules"):
+        called("advise", "two-spheres", "--rules", *option)
+
+
+def test_rules_list_settings_without_contacts_and_judge_the_others(tmp_path):
+    asked = ("advise", "two-spheres", "hertz-spheres", "pendulum", "--rules", "--json")
+    done = called(*asked, "--out", str(tmp_path / "steps"))
+    assert done.stderr.startswith("pendulum: got a scene without spheres")
+    rows = json.loads(done.stdout)
+    assert {row["setting"] for row in rows} == {"two-spheres", "hertz-spheres"}
+    page = (tmp_path / "steps" / "steps.md").read_text()
+    assert page.count("| two-spheres |") + page.count("| hertz-spheres |") == len(rows)

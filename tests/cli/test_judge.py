@@ -154,6 +154,22 @@ def test_a_finding_that_the_baseline_lacks_is_listed(judge: Done, folder: Path) 
     assert new in judge(*WHY).stdout.splitlines()
 
 
+def test_a_reason_without_a_blessing_is_refused(judge: Done, folder: Path) -> None:
+    done = judge("--why", "it was looked at")
+    assert done.returncode == 2
+    assert "got --why without --bless" in done.stderr
+    assert not (folder / PLACE).exists()
+
+
+def test_a_blessing_says_what_it_leaves_out_where_a_run_is_missing(
+    judge: Done, folder: Path
+) -> None:
+    words = "what their runs would have shown is not in the baseline"
+    assert words not in judge(*WHY).stdout
+    next(folder.glob("*/trajectory.csv")).unlink()
+    assert words in judge(*WHY).stdout
+
+
 def test_a_blessing_needs_a_reason(judge: Done, folder: Path) -> None:
     done = judge("--bless")
     assert done.returncode == 2
