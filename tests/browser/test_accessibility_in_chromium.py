@@ -87,3 +87,14 @@ def test_no_rule_is_broken(browser, pages, rules, kind, scheme):
     assert [(round(contrast, 2), text) for contrast, text in seen if contrast < 4.5] == []
     assert seen or not shown.locator(".plot").count()
     context.close()
+
+
+@pytest.mark.parametrize(("width", "columns"), [(1440, 2), (390, 1)])
+def test_heat_maps_stand_below_each_other_on_a_narrow_screen(browser, pages, width, columns):
+    shown = browser.new_page(viewport={"width": width, "height": 900})
+    shown.set_default_timeout(PATIENCE)
+    shown.goto((pages / "sweep" / "sweep.html").as_uri())
+    read_through(shown)
+    titles = shown.locator(".plot .role-title-text")
+    assert len({round(title.bounding_box()["y"]) for title in titles.all()}) == 2 // columns
+    shown.close()

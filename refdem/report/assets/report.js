@@ -39,8 +39,10 @@
     };
   }
 
-  // On a narrow screen two small pictures stand beside each other, and are as wide as there is room.
+  // On a narrow screen two small pictures stand beside each other, and are as wide as there is room;
+  // heat maps stand below each other.
   function fitted(spec, room) {
+    if (spec.concat && room < NARROW) spec.columns = 1;
     if (!spec.facet || room >= NARROW) return spec;
     spec.columns = 2;
     spec.spec.width = Math.max(100, Math.floor((room - BESIDE) / 2));
