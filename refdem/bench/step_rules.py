@@ -10,9 +10,9 @@ from itertools import combinations
 
 import numpy as np
 
-from refdem.bench.entrant import Entrant
-from refdem.core import discovery
+from refdem.bench import fixed_steps
 from refdem.core.case import Case, Instance
+from refdem.core.judgement import errors
 from refdem.core.truth import SampledTruth, Truth
 from refdem.errors import EngineError, NotCertifiedError, UsageError
 from refdem.planning.kept_truth import kept_truth
@@ -28,8 +28,6 @@ MOST_SAMPLES = 256
 """Largest number of samples of a run; each sample interval takes a whole number of steps."""
 MOST_SPHERES = 64
 """Largest number of spheres, each of which may touch each."""
-METHOD = "velocity-verlet"
-"""The method of most DEM codes, whose limit of stability is 2/omega."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -207,8 +205,8 @@ class Judged:
 
     `part` is the step over the limit of stability 2/omega. `error` is the largest error of velocity
     Verlet over the run, of the worst quantity in units of its scale, with the largest step of at
-    most this one that divides the duration; None where the run failed, or the step is longer than
-    the run.
+    most this one that divides the duration, all steps of one size; None where the run failed, or
+    the step is longer than the run.
     """
 
     advice: Advice
@@ -279,6 +277,12 @@ def judged(instance: Instance) -> list[Judged]:
             f"{instance.label}: got a scene without spheres that touch under a law with a"
             " stiffness; expected a case such as two-spheres or hertz-spheres"
         )
+    lacking = fixed_steps.lacking(instance.scene)
+    if lacking is not None:
+        raise UsageError(
+            f"{instance.label}: got a scene with {lacking}; expected spheres under normal forces"
+            " and weight, as with friction=0"
+        )
     touching = pairs(instance.scene)
     limit = 2 * instance.scales.tau
     # A truth that is kept says at once where the proof ends, which may take a minute to see.
@@ -308,18 +312,13 @@ def error_at(instance: Instance, proof: Truth, step: float) -> float | None:
     steps = max(math.ceil(instance.scales.duration / step), 2)
     samples = math.ceil(steps / math.ceil(steps / MOST_SAMPLES))
     sampled = instance.case.at(**{**instance.p.changed(), "samples": str(samples)})
-    # Sample intervals are equal in binary64, and a step divides them.
-    interval = float(sampled.times[1] - sampled.times[0])
-    level = interval / math.ceil(steps / samples)
-    engine = discovery.engine("reference")
-    method = next(one for one in engine.methods if one.name == METHOD)
-    entrant = Entrant(sampled, engine, method, (level,))
-    truth = certified_values(sampled, proof)
     try:
-        trajectory, _ = entrant.run(level)
+        trajectory = fixed_steps.run(sampled.scene, sampled.times, math.ceil(steps / samples))
     except EngineError:
+        # Some number of an unstable run is not finite.
         return None
-    return max(entrant.errors(trajectory, truth, level).values())
+    found = errors(sampled, trajectory, certified_values(sampled, proof))
+    return max(float(np.max(of_quantity)) for of_quantity in found.values())
 
 
 def certified_values(instance: Instance, proof: Truth) -> SampledTruth:

@@ -22,8 +22,9 @@ that step, in the worst quantity and in units of its scale. A part above 1 is un
 gains energy, and a larger step does not resolve it at all. An error of 0.01 is one per cent. There
 is no run where a step is longer than the run.
 
-The velocity Verlet that is measured ends steps where a contact begins, sticks, slips or ends. DEM
-codes take steps of one size, which end elsewhere: their errors may be several times as large.
+All steps of a run have one size, as in DEM codes, and a contact begins and ends within a step: with
+a step a little shorter or longer it begins at another part of one, and the error may differ by a
+factor of a few.
 
 Every rule is a formula of the code's documentation or source, which the last table names. It is
 applied to refdem's scene; no code runs here. Rules with the Rayleigh time need a shear modulus,
@@ -35,8 +36,8 @@ def refuse_without_use(options: Mapping[str, object]) -> None:
     given = [name for name, value in options.items() if value not in (None, [])]
     if given:
         raise UsageError(
-            f"got {' and '.join(given)} with --rules, which always judges velocity Verlet of the"
-            " reference, in one process; expected only cases or --motion, --set, --out and --json"
+            f"got {' and '.join(given)} with --rules, which always judges velocity Verlet in one"
+            " process; expected only cases or --motion, --set, --out and --json"
         )
 
 
