@@ -87,7 +87,7 @@ class Displaced(Instance):
 def beside(specification: Specification, found: Resolution) -> Resolution:
     """The measured resolution of a method on a case, with the predicted one of each number."""
     instance = discovery.case(labelled(found.label)[0]).at(**labelled(found.label)[1])
-    narrow = msgspec.structs.replace(specification, case=[], engines=[], method=found.method)
+    narrow = specification.of_one(instance, found.method)
     engine = discovery.engine(found.engine)
     try:
         of_numbers = foreseen(narrow, engine, instance, truth_of(instance))

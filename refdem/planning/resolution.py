@@ -122,7 +122,7 @@ def measured(
     places = _places(rows)
     keys: dict[_Place, str | None] = {}
     if use_store:
-        keys = _keys(specification, engines, places)
+        keys = _keys(specification, engines, rows)
     for place, key in keys.items():
         kept = key and store.read("resolution", key, _DECODER.decode)
         if kept:
@@ -167,18 +167,23 @@ def _places(rows: Iterable[plan.Row]) -> list[_Place]:
 
 
 def _keys(
-    specification: Specification, engines: list[Engine], places: Iterable[_Place]
+    specification: Specification, engines: list[Engine], rows: Iterable[plan.Row]
 ) -> dict[_Place, str | None]:
-    """The keys in the store: digests of the place and of everything that its verdicts depend on;
-    None where that cannot be determined.
+    """The keys in the store of the places of rows: digests of the place and of everything that its
+    verdicts depend on; None where that cannot be determined.
     """
-    narrow = msgspec.structs.replace(specification, name="", case=[], engines=[], method="")
-    states = {engine.address: unchanged.key_of(narrow, [engine]) for engine in engines}
+    by_address = {engine.address: engine for engine in engines}
+    states: dict[tuple[int, str], str | None] = {}
     keys: dict[_Place, str | None] = {}
-    for place in places:
-        _, address, _ = place
-        state = states[address]
-        keys[place] = state and hashlib.sha256("\0".join([state, *place]).encode()).hexdigest()
+    for row in rows:
+        narrow = msgspec.structs.replace(specification.of_one(row.instance), name="")
+        for place in _places([row]):
+            _, address, _ = place
+            of_levels = (narrow.levels, address)
+            if of_levels not in states:
+                states[of_levels] = unchanged.key_of(narrow, [by_address[address]])
+            state = states[of_levels]
+            keys[place] = state and hashlib.sha256("\0".join([state, *place]).encode()).hexdigest()
     return keys
 
 
@@ -194,12 +199,11 @@ def _job(
 ) -> Job:
     """The job of one method on one case."""
     _, address, method = place
-    narrow = msgspec.structs.replace(specification, case=[], engines=[], method=method)
     return Job(
         place,
         of_method,
         (
-            msgspec.json.encode(narrow),
+            msgspec.json.encode(specification.of_one(instance, method)),
             instance.case.id,
             instance.p.given,
             msgspec.msgpack.encode(truth),

@@ -134,6 +134,13 @@ class Specification(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fi
                 return entry.levels
         return self.levels
 
+    def of_one(self, instance: Instance, method: str = "") -> "Specification":
+        """The specification of an instance alone, and of one method: without cases and engines, and
+        with the levels of the entry of the instance.
+        """
+        levels = self.levels_of(instance)
+        return msgspec.structs.replace(self, case=[], engines=[], method=method, levels=levels)
+
 
 def validation_folder() -> Path:
     """The folder of campaigns, expected deviations and baselines: inside the installed package, or

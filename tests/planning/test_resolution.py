@@ -231,3 +231,15 @@ def test_only_checks_that_read_plain_runs_count():
     names = checks_of_plain_runs(task)
     assert {"error", "energy"} <= set(names)
     assert not {"symmetry", "reversal", "determinism"} & set(names)
+
+
+def test_the_levels_of_a_case_s_entry_are_those_that_are_measured(tmp_path, made):
+    store = Store(tmp_path / "store.sqlite")
+    entry = Entry("harmonic-oscillator", levels=2)
+    coarse = replace(ASKED, case=[entry])
+    assert module.measured(coarse, store, 1, nothing) == module.measured(
+        replace(ASKED, levels=2), store, 1, nothing, use_store=False
+    )
+    # Kept for two levels, and not for four.
+    assert module.measured(ASKED, store, 1, nothing) != module.measured(coarse, store, 1, nothing)
+    assert made == [LEAPFROG] * 3
