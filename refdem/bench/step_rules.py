@@ -142,7 +142,7 @@ ADVICE = (
     Advice(
         "exaDEM",
         "accepted by default: pi sqrt(m/k), m the least mass",
-        "operator check_dt_critical: `treshold` is 1 if it is not given",
+        "operator check_dt_critical: its ratio is 1 if none is given",
         1.0,
         wall_contact_time,
     ),
@@ -156,7 +156,7 @@ ADVICE = (
     Advice(
         "exaDEM",
         "accepted in its example: 0.02 pi sqrt(m/k)",
-        "operator check_dt_critical, example with `treshold: 0.02`",
+        "operator check_dt_critical, example with a ratio of 0.02",
         0.02,
         wall_contact_time,
     ),

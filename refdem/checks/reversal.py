@@ -33,7 +33,7 @@ from refdem.core.judgement import (
     undecided,
 )
 from refdem.core.problem import Motion
-from refdem.core.refinement import HORIZON, clock, flight, kinked, of_far_places
+from refdem.core.refinement import HORIZON, clock, flight, kinked, of_far_places, turning
 from refdem.core.trajectory import Trajectory
 from refdem.core.variant import Change, Variant
 from refdem.mechanics.quaternion import angle_between
@@ -451,6 +451,9 @@ def _roundings(subject: Subject, level: float) -> tuple[float, float]:
     instance = subject.instance
     scattered = math.sqrt(2.0) * subject.round_off(level)
     alike = flight(instance, subject.method, level)
+    # Who spins about a principal axis turns by the same rotation at every step.
+    if "tumbling" not in instance.scene.features:
+        alike += turning(instance, subject.method, level)
     far = math.sqrt(2.0) * of_far_places(instance, subject.method, level)
     if far > scattered + alike:
         scattered, alike = far, 0.0

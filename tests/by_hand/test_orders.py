@@ -631,6 +631,19 @@ def test_roundings_of_equal_terms_stretch_the_motion_of_a_free_body(largest, str
     assert found["reversed"].bound == near(expected, rel=1e-9)
 
 
+@pytest.mark.parametrize(
+    ("omega", "turns"), [((0.0, 0.0, 2.0), 3.0), ((1.0, 1.0, 0.0), 0.0)], ids=["spins", "tumbles"]
+)
+def test_turns_of_a_body_that_spins_steadily_round_alike_at_every_step(omega, turns):
+    body = Body(mass=2.0, inertia=(1.0, 2.0, 3.0), omega=omega)
+    free = instance([body], (), times=TIMES, quantities={"x": 4.0})
+    known = known_of(growth=[1, 1, 1, 1, 1.0])
+    _, found = back(lambda variant: 1e-3, of=free, claims=method(reversible=True), known=known)
+    alike = (1.0 + turns) * U * 8 / H
+    each = sqrt(2.0) * ROUND_OFF
+    assert found["reversed"].bound == near(2 * (each + alike + (each + alike) ** 2), rel=1e-9)
+
+
 def test_the_way_back_may_add_as_much_as_the_way_forward_is_seen_to_have():
     claims = method(reversible=True)
     _, found = back(lambda variant: 0.0, claims=claims, known=known_of(growth=[1, 1, 1, 1, 3.0]))
