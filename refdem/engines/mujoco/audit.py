@@ -107,7 +107,7 @@ _CONSTRAINTS = (
     Default(
         "solref, solimp, solreffriction where shapes may slide",
         "0.02 s, 0.9 to 0.95, as solref",
-        "-1/(4 h^2), -1/h; d = 2^-14; -d/h",
+        "-1/(4 h^2), -1/h; d = 2^-10 (2^-14 on a belt); -d/h",
         "with the harder ones above what slides is thrown up at mu v and hops, by a part that no"
         " shorter step makes smaller",
     ),

@@ -31,7 +31,9 @@ def add(mujoco: Any, spec: Any, scene: Scene, mj_bodies: list[Any], step: float)
         moving = (slider.belt_velocity * slider.axis[0], 0, 0, 0, 0, 0)
         spec.worldbody.add_geom(name=names[1], surfacevel=moving, **plane, **alone)
         spec.add_pair(
-            geomname1=names[0], geomname2=names[1], **solver.rubbing(slider.friction, step, RADIUS)
+            geomname1=names[0],
+            geomname2=names[1],
+            **solver.rubbing(slider.friction, step, RADIUS, solver.BELT),
         )
 
 

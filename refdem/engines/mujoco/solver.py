@@ -16,11 +16,14 @@ ROUNDING = 2.0**-50
 """Margin at which shapes touch, relative to the size of the scene: a contact of depth 0 would not
 act.
 """
-SLIDING = 2.0**-14
+SLIDING = 2.0**-10
 """Impedance of sliding contacts. A convex contact law lifts a sliding body off its support (see
-`rubbing`), less so the smaller the impedance. The velocity of a stick-slip oscillator with steps of
-6e-5 s has an error of 2.4e-4 at 2^-6, 1.4e-5 at 2^-10, where a shorter step no longer helps, 7e-10
-at 2^-14, and 1.7e-7 at 2^-18.
+`rubbing`), less so the smaller the impedance.
+"""
+BELT = 2.0**-14
+"""Impedance of what a belt carries. The velocity of a stick-slip oscillator with steps of 6e-5 s
+has an error of 2.4e-4 at 2^-6, 1.4e-5 at 2^-10, where a shorter step no longer helps, 7e-10 at
+2^-14, and 1.7e-7 at 2^-18.
 """
 LIFTLESS = 2.0**-30
 """impratio of spheres with friction. Friction is then so soft in the first solve that slip does not
@@ -83,9 +86,9 @@ def _coulomb(friction: float) -> tuple[float, ...]:
     return friction, friction, 0.0, 0.0, 0.0
 
 
-def rubbing(friction: float, step: float, size: float) -> dict[str, Any]:
-    """Parameters of a pair that slides or sticks, in direct form: its depth is a critically damped
-    oscillator of rate 1/(2 step), r'' + r'/step + r/(4 step^2) = 0.
+def rubbing(friction: float, step: float, size: float, soft: float = SLIDING) -> dict[str, Any]:
+    """Parameters of a pair of impedance `soft` that slides or sticks, in direct form: its depth is
+    a critically damped oscillator of rate 1/(2 step), r'' + r'/step + r/(4 step^2) = 0.
 
     MuJoCo minimises one cost of normal and tangential residuals, so that slip at v_t also pushes
     along the normal, until `a_n + b v_n + k r = mu |a_t + b_t v_t|` less a term that grows as the
@@ -96,12 +99,12 @@ def rubbing(friction: float, step: float, size: float) -> dict[str, Any]:
     within a step, because the post-solver removes the softness of friction.
     """
     normal = [-1 / (4 * step**2), -1 / step]
-    tangential = [-np.finfo(float).tiny, -SLIDING / step]
+    tangential = [-np.finfo(float).tiny, -soft / step]
     return {
         "condim": 3,
         "friction": _coulomb(friction),
         "solref": normal,
-        "solimp": impedance(SLIDING),
+        "solimp": impedance(soft),
         "solreffriction": tangential,
         "margin": ROUNDING * size,
     }

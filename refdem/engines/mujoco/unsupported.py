@@ -183,7 +183,7 @@ def _of_soft_constraints(scene: Scene) -> str | None:
     softened = []
     for slider in scene.all(Slider):
         if slider.belt_velocity:
-            impedance = solver.SLIDING
+            impedance = solver.BELT
         else:
             impedance = solver.HARDEST
         softened.append((impedance, scene.bodies.mass[slider.a]))

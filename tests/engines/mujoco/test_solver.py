@@ -80,7 +80,7 @@ def test_a_block_sinks_no_deeper_for_its_mass_up_to_that_at_which_it_is_refused(
     ("slider", "impedance"),
     [
         (Slider(a=0, friction=0.5, normal_force=1.0), solver.HARDEST),
-        (Slider(a=0, friction=0.5, normal_force=1.0, belt_velocity=1.0), solver.SLIDING),
+        (Slider(a=0, friction=0.5, normal_force=1.0, belt_velocity=1.0), solver.BELT),
     ],
     ids=["joint", "belt"],
 )
