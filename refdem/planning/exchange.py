@@ -3,9 +3,8 @@ trajectories are judged.
 
 A folder holds a manifest, a copy of each refdem.toml, and one folder per run with request.json and
 request.txt, in which its trajectory.csv (and events.csv) is to be put. The folder of a run is named
-after its case, program, method and step. A run that continues from
-the end of another one needs that one's trajectory, so that its request is written by a second
-export into the same folder.
+after its case, program, method and step. A run that continues from the end of another one needs
+that one's trajectory, so that its request is written by a second export into the same folder.
 
 A program that stays alive gets its requests as lines in a file NAME-requests.jsonl, whose ids are
 the folders of the runs. Its answers may be returned in files *answers*.jsonl.
@@ -172,8 +171,9 @@ class Elsewhere(Engine):
         return replaced(request, repeat=0).key(self.name)
 
     def _folder_of(self, request: Request) -> str:
-        """The name of the folder of a run that is asked for now, such as
-        `pendulum-theta0=2_far_leapfrog_step=0.05_0f3c5a7e9b1d2468`.
+        """The name of the folder of the run of a request.
+
+        An example is `pendulum-theta0=2_far_leapfrog_step=0.05_0f3c5a7e9b1d2468`.
 
         Labels that differ may read the same there, so the digest of the request is its end. Equal
         requests are numbered from 2 on.
