@@ -89,7 +89,7 @@ def _of_sample_before(slopes: Array) -> Array:
 
 
 def in_body_axes(request: Request, run: Trajectory) -> Trajectory:
-    """The derivatives of places and velocities in axes that turn with the body."""
+    """The derivatives of positions and velocities in body axes."""
     to_body = conjugate(run.attitude)
     derivatives = {}
     for key, slopes in run.derivatives.items():

@@ -18,7 +18,7 @@ def _branch(name: str) -> Any:
 
 
 def _one_lever(sound: Parts) -> dict[str, Any]:
-    """The lever of the first body serves for both (Lethe 300)."""
+    """The lever of the first body is used for both (Lethe 300)."""
     first_lever: Any = None
 
     def lever(radius: Any, depth: Any, shortening: Any) -> Any:

@@ -100,7 +100,7 @@ def _forwards(request: Request, run: Trajectory) -> Trajectory:
 
 
 def _first_kick(argument: str) -> Callable[[Parts], dict[str, Any]]:
-    """An argument of the first kick ever made, `mass` or `h`, serves for all kicks of all runs."""
+    """An argument of the first kick ever made, `mass` or `h`, is used in all kicks of all runs."""
 
     def inside(sound: Parts) -> dict[str, Any]:
         cache: dict[str, Any] = {}

@@ -30,9 +30,7 @@ def _per_mass(request: Request) -> Request:
 
 
 def _restarted(request: Request) -> Request:
-    """Forces count time from the first sample: cos(w (t - t0) + phase), which is wanted as
-    cos(w t + phase).
-    """
+    """Forces count time from the start t0: cos(w (t - t0) + phase) instead of cos(w t + phase)."""
     start = float(request.problem.times[0])
     scene = request.problem.scene
     elements = list(scene.elements)
@@ -44,7 +42,9 @@ def _restarted(request: Request) -> Request:
 
 
 def _stays(request: Request, run: Trajectory) -> Trajectory:
-    """The motion goes on at the frequency of the drive, in the amplitude and phase of the start."""
+    """The motion continues at the frequency of the drive, with the amplitude and phase of the
+    initial state.
+    """
     (force,) = request.problem.scene.all(Force)
     w = force.frequency
     x0 = run.position[0, 0, 0]

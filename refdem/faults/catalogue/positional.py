@@ -1,5 +1,5 @@
 """Forces of place and orientation: Hertz's power and its factors, the flanks of a field, a law that
-looks at the velocity.
+depends on the velocity.
 """
 
 from functools import partial

@@ -109,7 +109,7 @@ def _none_below_threshold(depth: Any) -> Any:
 
 
 def _first_radius(sound: Parts) -> dict[str, Any]:
-    """The first radius of a run serves for all levers."""
+    """The first radius of a run is used for all levers."""
     kept: dict[str, Any] = {}
 
     def lever(radius: Any, depth: Any, shortening: Any) -> Any:
