@@ -40,7 +40,7 @@ def places(
         high = edge - diameter / 2
         period = 0.0
     position = rng.uniform(low, high, (n, 3))
-    # Only spheres drawn in the last round can overlap anew; None looks at all of them.
+    # Only spheres drawn in the last round can overlap; None stands for all of them.
     redrawn = None
     for _ in range(TRIES):
         i, j = near_pairs(position, diameter * (1 + 1e-9), period, redrawn)

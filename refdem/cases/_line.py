@@ -64,7 +64,7 @@ def refuse_nothing(length: float, *names: str) -> None:
 
 
 def quantities(s: Scales) -> tuple[Quantity, ...]:
-    """The quantities that are judged: place [m] and velocity [m/s]."""
+    """The quantities that are judged: position [m] and velocity [m/s]."""
     return (Quantity("x", "m", s.length), Quantity("v", "m/s", s.speed))
 
 

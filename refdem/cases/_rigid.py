@@ -80,17 +80,17 @@ def clear_of(impact_time: float, samples: int) -> float:
     after a sample.
 
     Velocities have no value at the impact itself, so that no sample may be there. Nor may any step
-    end there: an engine that looks for contacts at the ends of its steps would be exact by chance.
-    A third of an interval is at 1/3 or 2/3 of a step, however often steps are halved.
+    end there: an engine that detects contacts at the ends of its steps would be exact by chance. A
+    third of an interval is at 1/3 or 2/3 of a step, however often steps are halved.
     """
     before = samples // 2 + 1 / 3
     return impact_time * samples / before
 
 
 TRIED = 2000
-"""Durations among which `clear_of_all` looks for the best one."""
+"""Number of durations from which `clear_of_all` selects the best one."""
 FINEST = 6
-"""Halvings of the interval of which `clear_of_all` looks at the step grids."""
+"""Number of halvings of the interval whose step grids `clear_of_all` considers."""
 
 
 def clear_of_all(impact_times: Array, samples: int, *, least: float, most: float) -> float:

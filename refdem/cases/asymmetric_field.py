@@ -90,12 +90,12 @@ class AsymmetricField(Case):
         return Scales(length=max(width, abs(p.x0)), tau=tau, duration=duration, mass=p.mass)
 
     def quantities(self, p: Parameters) -> tuple[Quantity, ...]:
-        """The quantities that are judged: place [m] and velocity [m/s]."""
+        """The quantities that are judged: position [m] and velocity [m/s]."""
         s = self.scales(p)
         return (Quantity("x", "m", s.length), Quantity("v", "m/s", s.speed))
 
     def observe(self, p: Parameters, trajectory: Trajectory) -> dict[str, Array]:
-        """The place [m] and the velocity [m/s] at the samples, each (T,)."""
+        """The position [m] and the velocity [m/s] at the samples, each (T,)."""
         return observe(trajectory)
 
     def truth(self, p: Parameters) -> Truth:

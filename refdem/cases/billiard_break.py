@@ -190,8 +190,9 @@ class BilliardBreak(Case):
         return Scene.of(bodies, [_rigid.contact(p)])
 
     def scales(self, p: Parameters) -> Scales:
-        """tau is that of a flight over one diameter, or shorter, so that no impact that is seen
-        late spoils the order of impacts; L = V tau with V the largest speed that the energy allows.
+        """tau is that of a flight over one diameter, or shorter, so that the late detection of an
+        impact does not change the order of impacts; L = V tau with V the largest speed that the
+        energy allows.
         """
         course = _course(p)
         samples = int(p.samples)
@@ -205,7 +206,8 @@ class BilliardBreak(Case):
         duration = _rigid.clear_of_all(times[:shown], samples, least=least, most=most)
         fastest = _fastest(p)
         longest = 2.0 * float(p.radii.min()) / fastest
-        # A method that sees two impacts of one ball in one step may take them in the wrong order.
+        # A method that detects two impacts of one ball in one step may process them in the wrong
+        # order.
         tau = _rigid.shortest_time(times, np.array(course.waits), longest)
         return Scales(length=fastest * tau, tau=tau, duration=duration, mass=float(p.masses.max()))
 

@@ -85,7 +85,7 @@ class BlockOnSlope(Case):
         return Quantity("s", "m", s.length), Quantity("v", "m/s", s.speed)
 
     def observe(self, p: Parameters, trajectory: Trajectory) -> dict[str, Array]:
-        """The place [m] and the velocity [m/s] along x at the samples, each (T,)."""
+        """The position [m] and the velocity [m/s] along x at the samples, each (T,)."""
         return {"s": trajectory.position[:, 0, 0], "v": trajectory.velocity[:, 0, 0]}
 
     def truth(self, p: Parameters) -> Truth:

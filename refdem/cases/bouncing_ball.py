@@ -142,7 +142,7 @@ class BouncingBall(Case):
         if len(before) > 0:
             # The flight after the last bounce is the shortest one.
             longest = min(longest, 2 * falling / p.gravity * p.restitution ** len(before))
-        # A bounce that is seen late spoils samples up to the next one after it.
+        # A bounce that is detected late affects samples up to the next bounce.
         interval = end / samples
         past = np.modf(before / interval)[0]
         tau = _rigid.shortest_time(before, (1.0 - past) * interval, longest)

@@ -53,11 +53,11 @@ class HarmonicOscillator(Case):
         return _line.scales(p, p.mass * p.gravity / p.stiffness)
 
     def quantities(self, p: Parameters) -> tuple[Quantity, ...]:
-        """The quantities that are judged: place [m] and velocity [m/s]."""
+        """The quantities that are judged: position [m] and velocity [m/s]."""
         return _line.quantities(self.scales(p))
 
     def observe(self, p: Parameters, trajectory: Trajectory) -> dict[str, Array]:
-        """The place [m] and the velocity [m/s] at the samples, each (T,)."""
+        """The position [m] and the velocity [m/s] at the samples, each (T,)."""
         return _line.observe(trajectory)
 
     def truth(self, p: Parameters) -> Truth:

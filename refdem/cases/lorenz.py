@@ -22,7 +22,7 @@ CLASSICAL = {"sigma": Fraction(10), "rho": Fraction(28), "beta": Fraction(8, 3)}
 
 
 class Lorenz(IterationCase):
-    """The state (x, y, z) is seen at t = n interval, in Lorenz' dimensionless time."""
+    """The state (x, y, z) is sampled at t = n interval, in Lorenz' dimensionless time."""
 
     id = "lorenz"
     title = "Lorenz' equations"

@@ -1,5 +1,5 @@
 """Lyapunov exponents (1.7.2): positive for what is chaotic, zero for what is regular, of every case
-that says which it is.
+that is declared to be one of them.
 """
 
 from collections.abc import Mapping
@@ -27,7 +27,7 @@ def _parameters(case: Canonical) -> list[Mapping[str, str]]:
 
 
 def _reason(instance: Instance) -> str | None:
-    """None where the case says whether it is chaotic, else why it is left out."""
+    """None if the case declares whether it is chaotic, else the reason why it is omitted."""
     if instance.case.is_chaotic(instance.p) is not None:
         return None
     return "it is not known whether the motion is chaotic"

@@ -20,7 +20,7 @@ TEN_PI = "31.41592653589793"
 
 
 class NeglectedGyroscopic(Case):
-    """A homogeneous box: its sides on the slope are those that its mass and moments ask for."""
+    """A homogeneous box: its sides on the slope follow from its mass and moments of inertia."""
 
     id = "neglected-gyroscopic"
     title = "Neglected gyroscopic term"

@@ -82,12 +82,12 @@ class PendulumEquilibria(Case):
         return Scales(length=p.length, tau=tau, duration=20 * tau, mass=MASS)
 
     def quantities(self, p: Parameters) -> tuple[Quantity, ...]:
-        """The quantities that are judged: place [m] and velocity [m/s]."""
+        """The quantities that are judged: position [m] and velocity [m/s]."""
         s = self.scales(p)
         return _plane.quantities(s.length, s.speed)
 
     def observe(self, p: Parameters, trajectory: Trajectory) -> dict[str, Array]:
-        """The place [m] and the velocity [m/s] at the samples, each (T,)."""
+        """The position [m] and the velocity [m/s] at the samples, each (T,)."""
         return _plane.observe(trajectory)
 
     def truth(self, p: Parameters) -> Truth:

@@ -69,9 +69,9 @@ class PendulumWheelMass(StringOnWheel):
         """The pendulum on the right, the mass on the left, as far below the wheel as the pendulum's
         string is long.
         """
-        # The string leaves the wheel at R e_t and goes on along e_r: a = R e_t + r e_r. With
-        # e_t' = -theta' e_r and e_r' = theta' e_t its velocity is u e_r + r theta' e_t, where
-        # u = r' - R theta' is also the upward velocity of the mass on the other side.
+        # The string leaves the wheel at R e_t in the direction e_r: a = R e_t + r e_r. With e_t' =
+        # -theta' e_r and e_r' = theta' e_t its velocity is u e_r + r theta' e_t, where u = r' - R
+        # theta' is also the upward velocity of the mass on the other side.
         sine, cosine = _angles.sine_and_cosine(p, "theta0")
         tangential = np.array((cosine, sine, 0.0))
         radial = np.array((sine, -cosine, 0.0))

@@ -50,8 +50,8 @@ class WedgeCollision(Case):
     )
 
     def scene(self, p: Parameters) -> Scene:
-        """The wedge at the wall; its edge, its y axis, looks along +x, and nothing turns it but the
-        law itself.
+        """The wedge at the wall; its edge, its y axis, points along +x, and only the contact law
+        rotates it.
         """
         # Any moment of inertia will do: no torque acts, the law itself turns the wedge.
         moment = p.mass * depth(p) ** 2

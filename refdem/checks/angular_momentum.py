@@ -188,8 +188,8 @@ class AngularMomentum(Check):
             return finding
         return told(
             finding,
-            f"The law itself changes it by {by_law:.2g}, for its lever arms do not add up to the"
-            " distance of the centres: a property of the law, not of the method.",
+            f"The law itself changes it by {by_law:.2g}, because the sum of its lever arms differs"
+            " from the distance of the centres: a property of the law, not of the method.",
         )
 
 

@@ -127,8 +127,8 @@ class NeighbouringPaths(Check):
             unit="1",
             basis=BASIS,
             what=(
-                f"Neighbours part by {rate:.9g} +- {bound:.1g} m on each metre of"
-                f" {beam.bounces} flights, truly by {true:.9g}; the error"
+                f"Neighbouring paths separate by {rate:.9g} +- {bound:.1g} m per metre in"
+                f" {beam.bounces} flights, certified {true:.9g}; the error"
             ),
         )
 
@@ -150,8 +150,8 @@ class NeighbouringPaths(Check):
             unit="1",
             basis=BASIS,
             what=(
-                f"Neighbours part as exp({rate:.9g} n) +- {bound:.1g} until bounce"
-                f" n = {beam.bounces}, truly as exp({true_rate:.9g} n); the error of the exponent"
+                f"Neighbouring paths separate as exp({rate:.9g} n) +- {bound:.1g} until bounce"
+                f" n = {beam.bounces}, certified exp({true_rate:.9g} n); the error of the exponent"
             ),
         )
 

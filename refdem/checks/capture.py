@@ -25,7 +25,7 @@ class Capture(Check):
     synchronous = True
 
     def applies(self, subject: Subject) -> str | None:
-        """Scenes with a hook fixed to the world, where truth says that it catches something."""
+        """Scenes with a hook fixed to the world, that catches a mass according to truth."""
         if not any(hook.b < 0 for hook in subject.instance.scene.all(Catch)):
             return "the scene has no catch"
         if subject.truth is None or "omega" in subject.truth.scalars:

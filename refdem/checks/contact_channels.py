@@ -91,8 +91,8 @@ class ContactChannels(Check):
     ) -> list[Finding]:
         """The finding that the reported force is the largest of the state, relative to the peak.
 
-        None where no force is ever seen, or only within rounding of overlap 0: there rounding
-        decides whether a dashpot acts.
+        None if no force is observed, or only within rounding of overlap 0, where rounding
+        determines whether a dashpot acts.
         """
         peak = float(np.max(pair_states.force))
         rounded = _overlap_rounding(subject, run) * subject.instance.scales.length

@@ -82,10 +82,10 @@ class ContactImpulse(Check):
     cone: each force obeys |Ft| <= mu Fn, so it lies in the cone of half angle arctan(mu) about its
     own normal. A cone is convex, so the sum, whatever the weights of the method, lies in the cone
     of half angle arctan(mu) + a about the mean normal, where a is the angle by which normals turn
-    between the samples. That is twice what samples within the interval need, and covers stages that
-    look a step ahead. The statement has no truncation error. It is not made for tangential springs:
-    a spring at its limit may be extrapolated through a step and pass the limit within the order of
-    the method.
+    between the samples. That is twice what samples within the interval need, and includes stages
+    that are evaluated a step ahead. The statement has no truncation error. It is not made for
+    tangential springs: a spring at its limit may be extrapolated through a step and pass the limit
+    within the order of the method.
 
     normal: the mean normal force lies between the smallest and the largest force of the law at the
     four samples around the interval, so that forces of the step before or after are covered. The

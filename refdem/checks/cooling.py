@@ -91,8 +91,8 @@ class Gas:
 
 
 class Cooling(Check):
-    """Means over many collisions, each judged by its standard error, since no two samples of a gas
-    cool alike.
+    """Means over many collisions, each judged by its standard error, since samples of a gas cool
+    differently.
     """
 
     name = "cooling"

@@ -131,7 +131,7 @@ class Energy(Check):
         if len(subject.levels) > 1:
             findings.append(self._balance(subject, subject.finest, runs, "finest"))
         balance = self._balance(subject, _first_sharp(subject, runs), runs, "balance")
-        # What is undecided is said once, of the finest level.
+        # Undecided findings are reported once, for the finest level.
         if balance.outcome != "undecided" or not findings:
             findings.insert(0, balance)
         reports_work = _dissipated_work(subject, runs[subject.finest]) is not None

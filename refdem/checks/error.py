@@ -69,7 +69,7 @@ class Error(Check):
             return [undecided(self.name, "state", no_truth(subject))]
         # Scaled errors (until,) by level and quantity.
         errors_at: dict[float, dict[str, Array]] = {}
-        # What impacts that were seen late leave (until,), likewise.
+        # The errors (until,) that late impacts leave, likewise.
         left_at: dict[float, dict[str, Array]] = {}
         for level in subject.levels:
             run = runs[Variant(level)].trajectory
@@ -93,8 +93,8 @@ class Error(Check):
     def _missing_quantities(self, subject: Subject, names: Iterable[str]) -> list[Finding]:
         """One finding on the quantities of a static question that the engine does not report.
 
-        A static question (mass properties, identities) asks for each number by itself, so an answer
-        may be incomplete.
+        A static question (mass properties, identities) requests each number separately, so that a
+        result may be incomplete.
         """
         reported = set(names)
         missing = [name for name in subject.instance.quantities if name not in reported]
@@ -144,9 +144,7 @@ class Error(Check):
         claimed = subject.bound(worst_level)[point]
         basis = _basis(subject, worst_level, settled=bool(allowed[point] < claimed))
         if allowed[point] > claimed:
-            basis = (
-                "what an impact that is seen one step late leaves: its change of velocity times h"
-            )
+            basis = "the error left by an impact one step late: its velocity change times h"
         sentence_subject = _what(subject, quantity, worst_level, point, count)
         sharpest_sight = min(sights.values(), key=_bound_over_signal)
         errors_in_time = curve(subject.instance.times[:count], error, allowed)
@@ -191,7 +189,7 @@ def _bounds(subject: Subject, estimate: Array | None) -> dict[float, Array]:
 
 
 def _at_least(bound: Array, left: Array | None) -> Array:
-    """A bound (count,), or by what impacts seen late leave a quantity off (until,), if that is
+    """A bound (count,), or the error (until,) that late impacts leave in a quantity, if that is
     larger.
     """
     if left is None:
@@ -306,7 +304,8 @@ def _implied_changes(
         own[name] = np.maximum.reduce(implied)
     largest = np.maximum.reduce(list(own.values()))
     if subject.method.control == "tolerance":
-        # A few steps with chosen orders say little, so the change of the whole run counts.
+        # A few steps with chosen orders are not representative, so the change of the whole run
+        # counts.
         return {name: np.full_like(largest, largest[-1]) for name in own}
     shares = least_shares(so_far)
     return {

@@ -123,12 +123,12 @@ class EventTimes(Check):
             late = subject.instance.problem.interval
         missing = untold(shown, events, late)
         if missing is None:
-            statement = f"Every {kind} that the samples show is told ({len(shown)} of them)"
+            statement = f"Every {kind} that the samples show is reported ({len(shown)} of them)"
         else:
             bodies = " and ".join(str(body) for body in missing.bodies)
             statement = (
                 f"The samples show a {kind} of body {bodies} before t = {missing.by:.6g} s, number"
-                f" {missing.number} of these, which is not told"
+                f" {missing.number} of these, which is not reported"
             )
         return judged(
             check=self.name,
@@ -136,7 +136,7 @@ class EventTimes(Check):
             value=float(missing is not None),
             bound=0.0,
             unit="1",
-            basis=f"the method claims to tell every {kind}, between bodies and at walls",
+            basis=f"the method claims to report every {kind}, between bodies and at walls",
             statement=statement,
         )
 

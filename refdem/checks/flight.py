@@ -70,7 +70,7 @@ class Flight(Check):
         displacement = run.velocity[:-1] * np.diff(run.t)[:, None, None]
         is_free = _is_in_free_flight(scene, run, displacement, rounding)
         if subject.method.control == "step" and not subject.method.complete_state:
-            # r' - r is v h once the velocities of all steps to which the method looks back are v.
+            # r' - r is v h once the velocities of all previous steps that the method uses are v.
             interval = float(np.min(np.abs(np.diff(run.t))))
             is_free = _for_some_time(is_free, ceil(MEMORY * subject.levels[-1] / interval))
         if not is_free.any():

@@ -1,4 +1,4 @@
-"""Derivatives that a program answers with, against the certified derivatives of a case.
+"""Derivatives that a program computes, compared with the certified derivatives of a case.
 
 A program differentiates the states x that it reports by numbers s of its scene. With the numbers p
 of the case this is a matrix of its quantities q,
@@ -13,7 +13,7 @@ of first variation by the same method, so that they have its order: the error of
 
 or bound(h)/|p| where that is more: an error of the state that is a part bound(h) of its scale, and
 that varies with p as the motion does, changes by as much when p does by all of itself. Where the
-error falls as h^p, what the last halvings of the step change tells it as it does for a state
+error falls as h^p, it follows from the changes by the last halvings of the step, as for a state
 (checks/error.py): e(h/2) = |D(h) - D(h/2)| / (2^p - 1). A program may take its derivatives by
 central differences of its runs: the rounding that these leave is allowed.
 
@@ -77,7 +77,7 @@ LARGEST = 1e250
 """Size of a derivative from which on sums and products with scales may overflow."""
 TOLERANCE = 0.5
 """Deficit of the order of derivatives that is allowed. Terms of higher order are larger in
-derivatives than in states, and a derivative of lower order lacks a whole order.
+derivatives than in states, and the order of an incorrect derivative is lower by one.
 """
 
 
@@ -99,7 +99,7 @@ class Column:
 
 
 class Gradient(Check):
-    """Every derivative that a method answers with is the certified one, to the order of the
+    """Every derivative that a method computes converges to the certified one with the order of the
     method.
     """
 

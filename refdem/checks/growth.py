@@ -97,7 +97,7 @@ class GrowthRate(Check):
         lost = size * allowed[1:count]
         usable = lost < LARGEST_ERROR
         if not np.any(usable):
-            why = "no state of the run is known well enough to tell a rate"
+            why = "no state of the run is known well enough to determine a rate"
             return [undecided(self.name, "rate", why)]
         with np.errstate(invalid="ignore", divide="ignore"):
             bounds = np.where(usable, -np.log1p(-lost), np.inf)

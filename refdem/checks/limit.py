@@ -34,8 +34,8 @@ class Limit(Check):
     remaining E is 1/(f - 1) of its last change. PREDICTION_FACTOR times that is allowed, because
     terms of higher order still count, and at most all of it. Measured on a hundred motions of
     correct methods: 1/3, 1/15 and 1/31 of it for orders 1, 2 and 4. An error that does not depend
-    on the step, as of a stiffness or a clock wrong by 1e-7, does not fall, and is seen far below
-    the truncation error.
+    on the step, as of a stiffness or a clock wrong by 1e-7, does not fall, and is detected far
+    below the truncation error.
     """
 
     name = "limit"

@@ -84,7 +84,9 @@ class Lyapunov(Check):
                 " as their initial separation does"
             )
         if not chaotic and scales.duration < LONG * scales.tau:
-            return f"a regular motion can be told from a chaotic one only after {LONG:g} tau"
+            return (
+                f"a regular motion can be distinguished from a chaotic one only after {LONG:g} tau"
+            )
         return None
 
     def needs(self, subject: Subject) -> tuple[Variant, ...]:

@@ -185,7 +185,9 @@ def _in_flights(subject: Subject, run: Trajectory) -> Finding:
     departure = np.linalg.norm(np.diff(run.velocity, axis=0) - fallen, axis=-1)
     is_flight = _flights(subject, truth, run)
     if not is_flight.any():
-        return undecided(Momentum.name, "flights", "an impact comes between any two samples")
+        return undecided(
+            Momentum.name, "flights", "each interval between samples contains an impact"
+        )
     speed = subject.instance.scales.speed
     return worst(
         check=Momentum.name,

@@ -69,7 +69,7 @@ OCTAVES = 14
 WHOLE = 0.9
 """Deficit, nearly a whole order, at which a single pair of levels speaks against the claim.
 
-One pair cannot tell a lower order from terms that cancel.
+One pair does not distinguish a lower order from terms that cancel.
 """
 
 CANCELLED = 0.1
@@ -109,7 +109,7 @@ Seen = Mapping[float, Mapping[str, Array]]
 
 
 def with_key(subject: Subject, finding: Finding) -> Finding:
-    """The finding; if it failed and a lower order is seen that a claim would explain, its sentence
+    """The finding; if it failed and the observed lower order would agree with a claim, its sentence
     names the key to declare.
     """
     seen = finding.order_seen
@@ -204,8 +204,8 @@ class Order(Check):
         return slope >= subject.order - NEAR and from_residuals <= ON_A_LINE
 
     def judge(self, subject: Subject, runs: Mapping[Variant, CompletedRun]) -> list[Finding]:
-        """The finding `state`, of the observed order; and `growth`, if errors can be seen to rise
-        or fall.
+        """The finding `state`, of the observed order; and `growth`, if errors are large enough to
+        show whether they grow.
         """
         if certified(subject) is None:
             return [undecided(self.name, "state", no_truth(subject))]

@@ -105,7 +105,7 @@ class Reversal(Check):
 
     def _is_decided(self, subject: Subject, runs: Mapping[Variant, CompletedRun]) -> bool:
         """True if the finest level of the plan passes, with bounds that are SHARP, and the order of
-        the defect is seen or the defect is round-off.
+        the defect is observed or the defect is round-off.
         """
         level = subject.levels[-1]
         findings = {one.quantity: one for one in self._findings(subject, runs, level)}
@@ -267,7 +267,7 @@ def _return_bound(
     observed = _defect_from_observed_error(subject, runs, level)
     if observed < bound:
         bound = observed
-        basis = "the backward run may add as much error as the forward run is seen to have"
+        basis = "the backward run may add as much error as is observed in the forward run"
     extrapolated = _extrapolated_defect(subject, runs, level, growth)
     if extrapolated < bound:
         bound = extrapolated
@@ -306,24 +306,25 @@ def _extrapolated_defect(
 def _is_exact(subject: Subject) -> bool:
     """True if the way back undoes the way forward to round-off.
 
-    Steps that see an impact late see it late on the way back as well, at another place.
+    Steps that detect an impact late do so in the backward run as well, at another position.
     """
     is_reversible = subject.method.reversible and not _sees_impacts_late(subject)
     return is_reversible or subject.method.control == "exact"
 
 
 def _sees_impacts_late(subject: Subject) -> bool:
-    """True for fixed steps at whose ends rigid bodies are seen to have met."""
+    """True for fixed steps at whose ends collisions of rigid bodies are detected."""
     method = subject.method
     is_late = method.control == "step" and not method.locates_events
     return is_late and "contact:rigid" in subject.instance.scene.features
 
 
 def _meets_too_soon(subject: Subject, level: float, bound: float) -> str | None:
-    """None, or why a run back may end before it sees its last impact, the first one of the motion.
+    """None, or the reason why a backward run may end before it detects its last impact, the first
+    one of the motion.
 
-    It then ends with the velocities of before that impact. An error of places, `bound` in units of
-    the length L, delays an impact by `bound` L over the closing speed.
+    It then ends with the velocities of before that impact. An error of positions, `bound` in units
+    of the length L, delays an impact by `bound` L over the closing speed.
     """
     if not _sees_impacts_late(subject):
         return None
@@ -347,8 +348,8 @@ def _meets_too_soon(subject: Subject, level: float, bound: float) -> str | None:
     if earliest > delay:
         return None
     return (
-        f"the first impact, {earliest:.3g} s after the start, may come later than the end of the"
-        f" run back: steps of {level:.3g} s may be {delay:.3g} s late for it"
+        f"in the backward run the first impact, {earliest:.3g} s after the start, may be missed:"
+        f" steps of {level:.3g} s may detect it {delay:.3g} s late"
     )
 
 
@@ -471,8 +472,8 @@ def _defect_from_observed_error(
     of equal steps may have a structure that grows on the way back only: that of symplectic Euler is
     an offset of the start (Hairer, Lubich and Wanner 2006, chapter IX), and the way back starts
     elsewhere. These are given all of S. Round-off is added, since an error may be small by chance,
-    as where no number has to be rounded, and so is what a step that straddles a kink is off by. Of
-    the steps that a tolerance makes beside a kink one run says nothing.
+    as where no number has to be rounded, and so is what a step that straddles a kink is off by. One
+    run does not determine the steps that a tolerance makes next to a kink.
     """
     truth = certified(subject)
     assert truth is not None
@@ -480,7 +481,7 @@ def _defect_from_observed_error(
     if truth.until < len(subject.instance.times):
         return math.inf
     if _sees_impacts_late(subject):
-        # How late a step sees an impact is chance, and another on the way back.
+        # The delay with which a step detects an impact is random, and differs in the backward run.
         return math.inf
     has_kinks = kinked(subject.instance, subject.method)
     if subject.method.control == "tolerance" and (has_kinks or compared_level == level):

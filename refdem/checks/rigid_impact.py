@@ -29,7 +29,7 @@ SIDES = 4.0
 largest speed at which points of the surfaces can meet.
 """
 
-TURNED = "off by at most what the normal turns within a step that sees the impact late"
+TURNED = "up to the rotation of the normal in a step that detects the impact late"
 
 
 @dataclass(frozen=True)
@@ -151,7 +151,7 @@ class RigidImpact(Check):
             sight=Sight(allowed, 1 + given),
             unit="1",
             basis=f"the speeds along the normal are those of the law, {TURNED}",
-            what=f"The error of the restitution ({seen:.12g} is seen, the law says {given:.12g})",
+            what=f"The error of the restitution ({seen:.12g} observed, {given:.12g} by the law)",
         )
 
 
@@ -220,8 +220,8 @@ def _worst_of(
     total = len(_list(subject))
     if not sharp:
         why = (
-            f"none of {total} impacts comes alone between two samples with a speed that is known"
-            " to a tenth; smaller steps or more samples are needed"
+            f"none of {total} impacts is alone between two samples with a closing speed known to"
+            " 10 %; smaller steps or more samples are needed"
         )
         return undecided("rigid-impact", quantity, why)
     worst = max(sharp, key=lambda one: one.share)
@@ -233,8 +233,9 @@ def _worst_of(
         sight=Sight(worst.bound, 1.0),
         unit="1",
         basis=(
-            "flights lead up to the impact and away from it; what is left is round-off, and what"
-            " gravity or the turn of the normal adds in a step that sees the impact late"
+            "velocities before and after the impact follow from free flight; what remains is"
+            " round-off, and the effect of gravity or of the rotation of the normal in a step that"
+            " detects the impact late"
         ),
         what=(
             f"The error of {noun}, the largest of {len(sharp)} impacts of {total} ({worst.words}),"
@@ -250,7 +251,7 @@ def _restitution_of(subject: Subject, run: Trajectory, found: Struck) -> Departu
     along, _ = pulls(subject.instance.scene, found)
     bound = (1.0 + given) * off(subject, run, found, along) / found.closing
     words = (
-        f"{ratio:.12g} is seen at t = {found.window.impact.time:.6g} s, the law says {given:.12g}"
+        f"{ratio:.12g} observed at t = {found.window.impact.time:.6g} s, {given:.12g} by the law"
     )
     return Departure(abs(ratio - given), bound, words)
 

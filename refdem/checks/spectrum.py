@@ -97,14 +97,14 @@ class Spectrum(Check):
 
     def applies(self, subject: Subject) -> str | None:
         """One body on a line, on a spring that is linear, or has a square or a cube, under periodic
-        forces that the samples tell apart; or van der Pol's oscillator under one of them.
+        forces that the samples resolve; or van der Pol's oscillator under one of them.
         """
         if not is_driven_on_a_line(subject.instance.scene):
             return "the scene is not one body on a spring under periodic forces along a line"
         if PLACE not in subject.instance.quantities:
             return "the case has no place along a line"
         if lines_of(subject.instance.scene, subject.instance.times) is None:
-            return "the samples are too few or too short to tell the lines apart"
+            return "the samples are too few or cover too short a time to resolve the lines"
         return None
 
     def needs(self, subject: Subject) -> tuple[Variant, ...]:
@@ -122,7 +122,7 @@ class Spectrum(Check):
         true = truth.value(PLACE)[:count]
         found = lines_of(subject.instance.scene, subject.instance.times[:count], true)
         if found is None:
-            why = "the samples up to the predictability horizon do not tell the lines apart"
+            why = "the samples up to the predictability horizon do not resolve the lines"
             return [undecided(self.name, "lines", why)]
         # Errors (count,) [m] of the samples, level by level.
         off = [

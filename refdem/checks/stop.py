@@ -37,7 +37,7 @@ class Stop(Check):
     kills = "a wrong friction force or sign, friction that lets a body creep, sgn(0) = 0"
 
     def applies(self, subject: Subject) -> str | None:
-        """Scenes with dry friction that come to rest, as truth says."""
+        """Scenes with dry friction that come to rest according to truth."""
         scene = subject.instance.scene
         has_block = bool(scene.all(Spring)) and _of_planes(scene) > 0
         if not scene.all(Slider) and not has_block:
@@ -213,9 +213,9 @@ def _invisible_time(subject: Subject, speed: float, place: float) -> float:
     than `speed` [m/s].
 
     Near the stop v = a tau sin((t_stop - t)/tau), with a the deceleration at the stop, so that
-    t_stop - t <= (pi/2) v/a. The run may be off by `speed` itself, so it must be seen to move only
-    where truth is twice as fast. Where truth is never so fast in the last half cycle (a tau <= 2
-    speed), all of the half cycle and the slow end of the one before are invisible: the time since
+    t_stop - t <= (pi/2) v/a. The run may be off by `speed` itself, so that it is required to move
+    only where truth is twice as fast. Where truth is never so fast in the last half cycle (a tau <=
+    2 speed), all of the half cycle and the slow end of the one before are invisible: the time since
     truth was last so fast.
     """
     scene = subject.instance.scene

@@ -189,8 +189,8 @@ class Symmetry(Check):
     def _difference(
         self, subject: Subject, name: str, difference: Array, bounds: Array, differs: str
     ) -> Finding:
-        """The finding on a difference (T,) of an image; `differs` says in words what its bounds
-        (T,) allow.
+        """The finding on a difference (T,) of an image; `differs` describes in words what the
+        bounds (T,) allow.
         """
         return worst(
             check=self.name,

@@ -32,8 +32,8 @@ def command(
         typer.Argument(
             autocompletion=completion.cases,
             help=(
-                "Cases, also as `pendulum[theta0=2]`, or search words, as satellite; or give"
-                " --motion."
+                "Cases such as `pendulum` or `pendulum[theta0=2]`, or search words such as"
+                " satellite. Alternatively, use --motion."
             ),
         ),
     ] = None,
@@ -43,15 +43,15 @@ def command(
         typer.Option(
             autocompletion=completion.motions,
             help=(
-                "What happens: spinning, swinging, oscillating, rubbing, colliding,"
-                " orbiting or flying; all cases of campaign main in which it does."
+                "Kind of motion: spinning, swinging, oscillating, rubbing, colliding, orbiting or"
+                " flying. Selects all cases of campaign main with this motion."
             ),
         ),
     ] = "",
     digits: Annotated[
         float | None,
         typer.Option(
-            help="Correct digits that are wanted.",
+            help="Required number of correct digits.",
             min=0.0,
             max=MOST_DIGITS,
             show_default=f"{DIGITS:g}",
@@ -61,24 +61,27 @@ def command(
     rules: Annotated[
         bool,
         typer.Option(
-            "--rules", help="Show the steps that DEM codes choose or accept for these contacts."
+            "--rules",
+            help="Show the time steps that DEM codes choose or accept for these contacts.",
         ),
     ] = False,
     out: Annotated[
-        Path | None, typer.Option(help="With --rules: folder for steps.md, the same as a page.")
+        Path | None, typer.Option(help="With --rules: folder for steps.md, the table as a page.")
     ] = None,
     jobs: options.Jobs = None,
     json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
 ) -> None:
-    """Recommends a method and a step for the accuracy that you need, and says what it costs.
+    """Recommends a method and a step for a given accuracy.
 
-    A number of digits d is held where the error against certified truth is at most 10^-d of the
-    scale of each quantity, over the whole run. What is measured is kept, and a second
-    question is answered from it. Exit status 1 if no method holds the digits in all settings.
+    The cost of each is reported.
 
-    With --rules: the steps that YADE, exaDEM, MFIX-Exa, MercuryDPM, Lethe and LIGGGHTS choose,
-    accept or show for the contacts of these cases, each beside the limit of stability 2/omega of
-    velocity Verlet, and its error with that step.
+    A method holds d digits if its error against certified truth is at most 10^-d of the scale of
+    each quantity over the whole run. Measurements are stored and used again by later calls. Exit
+    status 1 if no method holds the digits in all settings.
+
+    With --rules: the time steps that YADE, exaDEM, MFIX-Exa, MercuryDPM, Lethe and LIGGGHTS choose,
+    accept or display for the contacts of these cases, each as a fraction of the stability limit
+    2/omega of velocity Verlet, and the error of velocity Verlet with that step.
 
     Example: refdem advise --motion spinning --engine mujoco --digits 3
     """

@@ -21,31 +21,43 @@ FEWEST_SPHERES = 100
 # The options of the command, in the order of its help.
 Cases = Annotated[
     list[str] | None,
-    typer.Argument(help="Cases, also as `pendulum[theta0=2]`; default: pendulum."),
+    typer.Argument(help="Cases such as `pendulum` or `pendulum[theta0=2]`; default: pendulum."),
 ]
 Engines = Annotated[
     list[str] | None,
-    typer.Option(help="Engines, or paths of refdem.toml; default: all installed."),
+    typer.Option(help="Engines, or paths to refdem.toml files; default: all installed engines."),
 ]
-MethodName = Annotated[str, typer.Option(help="Only this method of the engines; peers are kept.")]
+MethodName = Annotated[
+    str, typer.Option(help="Run only this method of each engine. Peers are not affected.")
+]
 Settings = Annotated[list[str] | None, typer.Option(help="Parameter of the cases, name=value.")]
-Rounds = Annotated[int, typer.Option(help="Number of interleaved repeats of every run.", min=1)]
+Rounds = Annotated[
+    int,
+    typer.Option(
+        help="Number of repetitions of every run. Repetitions of different runs are interleaved.",
+        min=1,
+    ),
+]
 MostSteps = Annotated[float, typer.Option(help="Largest number of steps of a run.")]
 Longest = Annotated[
     float,
-    typer.Option(help="Longest run [s]; refinement ends with the first one that takes longer."),
+    typer.Option(help="Longest run time [s]. The step is refined until a run takes longer."),
 ]
 Grow = Annotated[
     list[str] | None,
-    typer.Option(help="Measure run time against a parameter, as samples=64,256,1024."),
+    typer.Option(
+        help="Measure run time as a function of a parameter, such as samples=64,256,1024."
+    ),
 ]
-Peers = Annotated[bool, typer.Option(help="Include the peers heyoka and SciPy, where installed.")]
-Memory = Annotated[bool, typer.Option(help="Measure the peak memory, in a separate process.")]
+Peers = Annotated[
+    bool, typer.Option(help="Also run the peers heyoka and SciPy if they are installed.")
+]
+Memory = Annotated[bool, typer.Option(help="Measure peak memory, in a separate process.")]
 Crowd = Annotated[
     str,
     typer.Option(
         help=(
-            "Measure the cost per body and step in gases with these numbers of spheres, as"
+            "Measure the cost per body and step in gases with these numbers of spheres, such as"
             " 1000,10000."
         )
     ),
@@ -55,8 +67,8 @@ Against = Annotated[
     Path | None,
     typer.Option(
         help=(
-            "Compare with the Python of another installation, with interleaved runs, or with a"
-            " bench.json."
+            "What to compare with: the Python executable of another installation, whose runs are"
+            " interleaved with these, or a bench.json of an earlier measurement."
         )
     ),
 ]
@@ -79,8 +91,9 @@ def command(
     against: Against = None,
     out: Out = Path("refdem-bench"),
 ) -> None:
-    """Measures run time against error; exit 1 if a method is slower than in the record that it is
-    compared with.
+    """Measures run time as a function of error.
+
+    Exit status 1 if a method is slower than in the measurement that --against names.
 
     Example: refdem bench pendulum two-body-orbit --engine reference --engine rebound --rounds 7
     """

@@ -13,7 +13,8 @@ def command(
         Path | None,
         typer.Option(
             help=(
-                "Folder of the store: sets.toml, certified/, samples/; default: the one of refdem."
+                "Folder of the store, with sets.toml, certified/ and samples/; default: that of"
+                " refdem."
             )
         ),
     ] = None,
@@ -22,8 +23,8 @@ def command(
         typer.Option(
             "--check",
             help=(
-                "Only check the store: every hash, and a sample of sets proved and cross-checked"
-                " again."
+                "Only check the store: verify all hashes, then prove and cross-check a sample of"
+                " sets again."
             ),
         ),
     ] = False,
@@ -39,8 +40,12 @@ def command(
     ] = False,
     jobs: Annotated[int, typer.Option(help="Number of worker processes.", min=1)] = 2,
 ) -> None:
-    """Proves every set of sets.toml whose code or parameters changed, has it witnessed, and writes
-    the store; killed, it resumes.
+    """Proves certified sets again after changes.
+
+    Every set of sets.toml whose code or parameters have changed is proved, cross-checked with an
+    independent method, and written to the store.
+
+    An interrupted run resumes where it ended.
 
     Example: refdem certify --check
     """

@@ -31,30 +31,38 @@ def command(
         list[str] | None,
         typer.Argument(
             autocompletion=completion.engines,
-            help="Engines, or paths of refdem.toml; default: all installed.",
+            help="Engines, or paths to refdem.toml files; default: all installed engines.",
         ),
     ] = None,
     case: Annotated[
         list[str] | None,
-        typer.Option(autocompletion=completion.cases, help="Cases, also as `pendulum[theta0=2]`."),
+        typer.Option(
+            autocompletion=completion.cases,
+            help="Cases such as `pendulum` or `pendulum[theta0=2]`.",
+        ),
     ] = None,
     motion: Annotated[
         str,
         typer.Option(
             autocompletion=completion.motions,
-            help="What happens, as in `refdem advise`: all of its cases.",
+            help="Kind of motion, as for `refdem advise`. Selects all cases with this motion.",
         ),
     ] = "",
     digits: Annotated[
         float,
-        typer.Option(help="Correct digits at which costs compare.", min=0.0, max=MOST_DIGITS),
+        typer.Option(
+            help="Number of correct digits at which costs are compared.", min=0.0, max=MOST_DIGITS
+        ),
     ] = 3.0,
     set: options.Settings = None,
     jobs: options.Jobs = None,
 ) -> None:
-    """Compares engines in the same cases: error, order, cost, and what each conserves.
+    """Compares engines on the same cases.
 
-    Exit status 1 if a law that an engine claims failed, 2 if nothing was measured.
+    The table shows error, order, cost and conserved quantities.
+
+    Exit status 1 if a check of a conservation law that an engine claims failed, 2 if nothing was
+    measured.
 
     Example: refdem compare mujoco pymunk rebound --case pendulum
     """

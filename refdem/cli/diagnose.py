@@ -22,23 +22,31 @@ def command(
     record: Annotated[
         str,
         typer.Argument(
-            help=("Name of a finding: `case[name=value]/engine/method`, with or without check.")
+            help=(
+                "Name of a finding: `case[name=value]/engine/method`, optionally followed by the"
+                " check and the quantity."
+            )
         ),
     ],
     engine: Annotated[
-        str, typer.Option(help="A refdem.toml, if the record's engine is a program.")
+        str,
+        typer.Option(
+            help="Path to a refdem.toml, if the engine of the finding is an external program."
+        ),
     ] = "",
     level: Annotated[
-        int, typer.Option(help="Refinement level of the run to explain, 0 the coarsest.")
+        int, typer.Option(help="Refinement level of the run to diagnose; 0 is the coarsest.")
     ] = 0,
     seconds: Annotated[
-        float, typer.Option(help="Run time [s] after which no more known faults are tried.", min=1)
+        float, typer.Option(help="Time limit [s]: no further fault is tried after it.", min=1)
     ] = 120.0,
     json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
 ) -> None:
-    """Runs twins of the transparent engine, each with one known fault or another integrator, and
-    names the one that moves as the run does; where none does, names the numbers of the case that
-    the run has misread, with their sizes.
+    """Finds the fault or integrator that reproduces a run.
+
+    Variants of the transparent engine, each with one known fault or another integrator, run the
+    same case, and the one whose trajectory agrees with that of the run is reported. If none agrees,
+    the numbers of the case that the run has misread are estimated, with the size of each error.
 
     Example: refdem diagnose free-rigid-body/mujoco/euler/error/omega_body.x
     """

@@ -7,7 +7,9 @@ import typer
 
 
 def command() -> None:
-    """Checks kernels, engines, store and Python, and says what to do.
+    """Checks kernels, engines, store and Python.
+
+    Reports what is missing and how to install or repair it.
 
     Example: refdem doctor
     """

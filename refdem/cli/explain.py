@@ -28,28 +28,37 @@ def command(
     case: Annotated[
         str,
         typer.Argument(
-            autocompletion=completion.cases, help="The case, also as `pendulum[theta0=2]`."
+            autocompletion=completion.cases,
+            help="A case such as `pendulum` or `pendulum[theta0=2]`.",
         ),
     ] = "",
     engine: Annotated[
         list[str] | None,
         typer.Option(
-            autocompletion=completion.engines, help="Engines; none: all that are installed."
+            autocompletion=completion.engines, help="Engines; default: all installed engines."
         ),
     ] = None,
-    set: Annotated[list[str] | None, typer.Option(help="Parameter, name=value.")] = None,
+    set: Annotated[
+        list[str] | None, typer.Option(help="Parameter of the case, name=value.")
+    ] = None,
     timeout: Annotated[
-        float, typer.Option(help="CPU time of a proof [s].", min=1e-3, max=1e6)
+        float, typer.Option(help="Limit on the CPU time of a proof [s].", min=1e-3, max=1e6)
     ] = 60.0,
     features: Annotated[
         bool,
         typer.Option(
             "--features",
-            help="List the words of `supports`, `order_with` and `conserves` instead.",
+            help=(
+                "Instead, list the values that `supports`, `order_with` and `conserves`"
+                " accept in a refdem.toml."
+            ),
         ),
     ] = False,
 ) -> None:
-    """Says what would run for a case, and why; or what the words of a refdem.toml mean.
+    """Shows which methods and checks run for a case.
+
+    Reports also why the others do not run. With --features, explains the values that a refdem.toml
+    accepts.
 
     Example: refdem explain free-rigid-body --engine mujoco
     """

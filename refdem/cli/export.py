@@ -16,27 +16,39 @@ if TYPE_CHECKING:
 
 def command(
     folder: Annotated[
-        Path, typer.Argument(help="Folder for the requests, with one subfolder per run.")
+        Path, typer.Argument(help="Folder for the requests; each run gets a subfolder.")
     ],
     case: Annotated[
         list[str] | None,
         typer.Argument(
             autocompletion=completion.cases,
-            help="Cases; default: those of [gate], or all that the program supports.",
+            help=(
+                "Cases; default: those of the table [gate] of refdem.toml, or all that the"
+                " program supports."
+            ),
         ),
     ] = None,
-    engine: Annotated[list[Path] | None, typer.Option(help="The refdem.toml of a program.")] = None,
+    engine: Annotated[
+        list[Path] | None, typer.Option(help="Path to the refdem.toml of a program.")
+    ] = None,
     levels: Annotated[
         int | None,
-        typer.Option(help="Number of refinement levels; default: that of [gate].", min=1, max=10),
+        typer.Option(
+            help="Number of refinement levels; default: that of the table [gate] of refdem.toml.",
+            min=1,
+            max=10,
+        ),
     ] = None,
 ) -> None:
-    """Writes requests for programs that run elsewhere, as on a batch system.
+    """Writes requests for programs that run elsewhere.
+
+    This serves, for example, programs on a batch system.
 
     Run the program in each folder that FOLDER/runs.txt lists, so that it writes trajectory.csv
-    there; then `refdem judge FOLDER`. A program with `serve = true` runs once, in FOLDER, and reads
-    its requests from a file there. Runs that go on from the end of others are written by a
-    second export into the same folder, when those have come back.
+    there; then run `refdem judge FOLDER`. A program with `serve = true` runs once, in FOLDER, and
+    reads its requests from a file there. Some runs continue from the final state of others: when
+    the trajectories of these exist, a second export into the same folder writes the requests that
+    follow.
 
     Example: refdem export to-run free-rigid-body --engine refdem.toml
     """

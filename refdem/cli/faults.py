@@ -13,22 +13,23 @@ def command(
         str,
         typer.Option(
             help=(
-                "Engine that carries the faults instead of the transparent one; only its"
-                " input and output are changed."
+                "Engine to plant the faults in, instead of the transparent one. Only faults of"
+                " its input and output can be planted."
             )
         ),
     ] = "",
-    seeds: Annotated[int, typer.Option(help="Number of random parameter sets.")] = 20,
+    seeds: Annotated[int, typer.Option(help="Number of random parameter sets per fault.")] = 20,
     fault: Annotated[
-        list[str] | None, typer.Option(help="Only these faults, or all of a kind.")
+        list[str] | None, typer.Option(help="Names of faults, or of kinds of faults; default: all.")
     ] = None,
     json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
 ) -> None:
-    """Plants known faults in an engine and shows which checks see them, and that nothing is said
-    against the engine without any.
+    """Plants known faults and shows which checks detect them.
 
-    A fault is killed if the quantity named for it fails. Exit 1 if one survives or the correct
-    engine alarms.
+    The engine without a fault is tested as well, for false alarms.
+
+    A fault is killed if the check of the quantity that is named for it fails. Exit status 1 if a
+    fault survives, or if a check fails for the engine without a fault.
 
     Example: refdem faults --seeds 2 --fault friction
     """

@@ -8,14 +8,16 @@ import typer
 
 def command(
     figure: Annotated[
-        list[str] | None, typer.Argument(help="Figures, as 1.15 or co-4; default: all.")
+        list[str] | None, typer.Argument(help="Figures, such as 1.15 or co-4; default: all.")
     ] = None,
     out: Annotated[Path, typer.Option(help="Folder for the gallery.")] = Path("reports/gallery"),
 ) -> None:
-    """Computes figures of the source chapter in the reference and draws them: gallery.html,
-    gallery.md, a picture each.
+    """Computes and draws figures of the source chapter.
 
-    Figures that the folder has already, and that are not named, stay as they are.
+    The reference engine computes them. Writes gallery.html, gallery.md and an image for each
+    figure.
+
+    Figures that the folder contains already and that are not named remain unchanged.
 
     Example: refdem gallery 1.15 1.20 --out gallery
     """

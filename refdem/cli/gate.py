@@ -20,38 +20,44 @@ MOST_WORDS = 2000
 
 
 def command(
-    toml: Annotated[Path, typer.Argument(help="The refdem.toml beside the program.")] = Path(
+    toml: Annotated[Path, typer.Argument(help="Path to the refdem.toml of the program.")] = Path(
         "refdem.toml"
     ),
     baseline: Annotated[
-        Path | None, typer.Option(help="The baseline; default: that of refdem.toml.")
+        Path | None,
+        typer.Option(help="File of the baseline; default: the one that refdem.toml names."),
     ] = None,
     bless: Annotated[
         bool, typer.Option("--bless", help="Accept the findings of this run as the baseline.")
     ] = False,
-    why: Annotated[str, typer.Option(help="With --bless: why these findings are right.")] = "",
+    why: Annotated[
+        str, typer.Option(help="With --bless: the reason why these findings are accepted.")
+    ] = "",
     junit: Annotated[Path | None, typer.Option(help="File for JUnit XML.")] = None,
     sarif: Annotated[
         Path | None,
-        typer.Option(help="File for SARIF 2.1.0, which code hosts show beside a change."),
+        typer.Option(help="File for SARIF 2.1.0, which code hosts display next to a change."),
     ] = None,
     markdown: Annotated[
         Path | None, typer.Option(help="File for the Markdown summary of a pull request.")
     ] = None,
-    out: Annotated[Path | None, typer.Option(help="Folder for the whole report.")] = None,
+    out: Annotated[Path | None, typer.Option(help="Folder for the full report.")] = None,
     resolution: Annotated[
         bool,
         typer.Option(
             "--resolution",
             help=(
-                "Also report the smallest misreading of each number of the scenes that the gate"
-                " detects; takes about twenty more runs of the program per number."
+                "Also report, for each number of the scenes, the smallest relative error in"
+                " reading it that the gate detects. This takes about twenty more runs of the"
+                " program per number."
             ),
         ),
     ] = False,
     jobs: options.Jobs = None,
 ) -> None:
-    """Runs the gate of a program: every finding against truth, and against the baseline.
+    """Runs the gate of a program.
+
+    Its runs are compared with certified truth, and the findings with the accepted baseline.
 
     Example: refdem gate --junit gate.xml --markdown gate.md
     """

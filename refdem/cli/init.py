@@ -7,15 +7,21 @@ import typer
 
 
 def command(
-    folder: Annotated[Path, typer.Argument(help="Folder that gets the files.")] = Path("."),
+    folder: Annotated[Path, typer.Argument(help="Folder to which the files are written.")] = Path(
+        "."
+    ),
     language: Annotated[
-        str, typer.Option(help="python, c, cpp, fortran, javascript or rust.")
+        str,
+        typer.Option(help="Language of the driver: python, c, cpp, fortran, javascript or rust."),
     ] = "python",
-    name: Annotated[str, typer.Option(help="Name of the program; default: the folder's.")] = "",
+    name: Annotated[
+        str, typer.Option(help="Name of the program; default: that of the folder.")
+    ] = "",
 ) -> None:
-    """Writes a starter for the gate of your own program: a driver with springs, rotation and
-    contact with friction, the file that it needs, refdem.toml with every claim explained, and a
-    workflow for GitHub.
+    """Writes the files to start a gate for a program.
+
+    These are a driver with springs, rotation and contact with friction, the helper file that it
+    needs, a refdem.toml that explains every claim, and a workflow for GitHub.
 
     Example: refdem init mydem --language c
     """

@@ -18,23 +18,35 @@ if TYPE_CHECKING:
 
 def command(
     folder: Annotated[
-        Path, typer.Argument(help="Folder that `refdem export` wrote, with trajectories in it.")
+        Path,
+        typer.Argument(
+            help=(
+                "Folder that `refdem export` wrote and to which the programs added their"
+                " trajectories."
+            )
+        ),
     ],
     out: Annotated[Path, typer.Option(help="Folder for the report.")] = Path("refdem-report"),
     bless: Annotated[
         bool,
         typer.Option(
             "--bless",
-            help="Accept these findings as the baseline: FOLDER/NAME-baseline.jsonl per program.",
+            help=(
+                "Accept these findings as the baseline, FOLDER/NAME-baseline.jsonl for each"
+                " program."
+            ),
         ),
     ] = False,
-    why: Annotated[str, typer.Option(help="With --bless: why these findings are right.")] = "",
+    why: Annotated[
+        str, typer.Option(help="With --bless: the reason why these findings are accepted.")
+    ] = "",
 ) -> None:
-    """Judges the trajectories in a folder that `refdem export` wrote; one that is missing is an
-    error.
+    """Judges trajectories of programs that ran elsewhere.
 
-    Where the folder has a baseline, which --bless wrote, findings that are worse or lost fail, and
-    new ones are listed, as in `refdem gate`.
+    They are read from a folder that `refdem export` wrote. A missing trajectory is an error.
+
+    If the folder contains a baseline, written with --bless, findings that are worse than in the
+    baseline or are missing fail, and new ones are listed, as in `refdem gate`.
 
     Example: refdem judge to-run --out report
     """

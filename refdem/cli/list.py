@@ -9,14 +9,17 @@ from refdem.errors import UsageError
 
 def command(
     what: Annotated[
-        str, typer.Argument(help="cases, engines or checks; any other word searches for cases.")
+        str,
+        typer.Argument(help="cases, engines or checks. Any other word is a search word for cases."),
     ] = "cases",
     about: Annotated[
-        list[str] | None, typer.Argument(help="Words that a case is found by, as friction.")
+        list[str] | None, typer.Argument(help="Search words for cases, such as friction.")
     ] = None,
     json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
 ) -> None:
-    """Lists cases with their parameters, engines and codes with their methods, or checks.
+    """Lists cases, engines or checks.
+
+    Cases are listed with their parameters, engines and codes with their methods.
 
     Example: refdem list friction
     """

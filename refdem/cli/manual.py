@@ -14,8 +14,11 @@ def command(
         ),
     ] = Path("reports"),
 ) -> None:
-    """Writes statement, method, witness, digits, checks and settled slips of every case, and a
-    table of the source chapter item by item, as Markdown and HTML.
+    """Writes the verification manual as Markdown and HTML.
+
+    The page of each case has its statement, the method of proof, the independent method that
+    confirms it, the certified digits, the checks, and corrections to the source. A table lists the
+    items of the source chapter.
 
     Example: refdem manual reports
     """

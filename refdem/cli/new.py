@@ -7,13 +7,17 @@ import typer
 
 
 def command(
-    kind: Annotated[str, typer.Argument(help="case, check, element, engine or kernel")],
-    name: Annotated[str, typer.Argument(help="Small letters, words joined by hyphens.")],
+    kind: Annotated[
+        str, typer.Argument(help="What to add: case, check, element, engine or kernel.")
+    ],
+    name: Annotated[str, typer.Argument(help="Name in lower case, words joined by hyphens.")],
     package: Annotated[
-        Path, typer.Option(help="Root of the tree of refdem that gets the files.")
+        Path, typer.Option(help="Root of the source tree of refdem to which the files are written.")
     ] = Path("."),
 ) -> None:
-    """Writes a small one that works, with its tests, to be changed into the one that is wanted.
+    """Writes a small new case, check, element or engine.
+
+    It works, has tests, and is a starting point for your own. A kernel can be written as well.
 
     Example: refdem new case bouncing-ball
     """

@@ -11,7 +11,7 @@ Engines = Annotated[
     list[str] | None,
     typer.Option(
         autocompletion=completion.engines,
-        help="Engines, codes, or paths of refdem.toml; default: all installed engines.",
+        help="Engines, codes, or paths to refdem.toml files; default: all installed engines.",
     ),
 ]
 Settings = Annotated[list[str] | None, typer.Option(help="Parameter of the cases, name=value.")]
@@ -23,8 +23,8 @@ Scheduler = Annotated[
     typer.Option(
         metavar="ADDRESS",
         help=(
-            "Make the runs in the workers of the Dask scheduler at this address, as"
-            " tcp://HOST:PORT. --jobs is then the number of processes that prove truths here."
+            "Run the engines in the workers of the Dask scheduler at this address,"
+            " tcp://HOST:PORT. --jobs is then the number of local processes, which prove truths."
         ),
     ),
 ]

@@ -12,9 +12,11 @@ if TYPE_CHECKING:
 
 
 def command(folder: Annotated[Path, typer.Argument(help="Folder with records.jsonl.")]) -> None:
-    """Makes index.html, validation.md and junit.xml again from records.jsonl.
+    """Makes a report from its records.jsonl.
 
-    A report that nothing has changed is left alone.
+    Writes index.html, validation.md and junit.xml.
+
+    A report that is up to date is not written again.
 
     Example: refdem report reports
     """

@@ -11,22 +11,31 @@ def command(
     case: Annotated[
         str,
         typer.Argument(
-            autocompletion=completion.cases, help="The case, also as `pendulum[theta0=2]`."
+            autocompletion=completion.cases,
+            help="A case such as `pendulum` or `pendulum[theta0=2]`.",
         ),
     ],
-    set: Annotated[list[str] | None, typer.Option(help="Parameter, name=value.")] = None,
+    set: Annotated[
+        list[str] | None, typer.Option(help="Parameter of the case, name=value.")
+    ] = None,
     method: Annotated[
-        str, typer.Option(help="Name of the method, as refdem.toml has it.")
+        str, typer.Option(help="Name of the method, as in refdem.toml.")
     ] = "leapfrog",
     stride: Annotated[
-        int, typer.Option(help="Steps from each sample to the next.", min=1, max=1_000_000)
+        int, typer.Option(help="Number of steps between samples.", min=1, max=1_000_000)
     ] = 8,
-    json: Annotated[bool, typer.Option("--json", help="Print request.json as it is.")] = False,
-    text: Annotated[bool, typer.Option("--text", help="Print request.txt as it is.")] = False,
+    json: Annotated[
+        bool, typer.Option("--json", help="Print request.json as the program reads it.")
+    ] = False,
+    text: Annotated[
+        bool, typer.Option("--text", help="Print request.txt as the program reads it.")
+    ] = False,
 ) -> None:
-    """Prints the request that a program gets for a case, with comments.
+    """Prints the request that a program receives.
 
-    With --text or --json it is what a program reads, for a first run by hand.
+    It is printed with comments, for one case.
+
+    With --text or --json, prints the file without comments, for a first run by hand.
 
     Example: refdem request two-spheres --set friction=0 --stride 4
     """

@@ -13,42 +13,55 @@ def command(
     case: Annotated[
         list[str] | None,
         typer.Argument(
-            autocompletion=completion.cases, help="Cases, also as `pendulum[theta0=2]`."
+            autocompletion=completion.cases,
+            help="Cases such as `pendulum` or `pendulum[theta0=2]`.",
         ),
     ] = None,
     engine: options.Engines = None,
-    method: Annotated[str, typer.Option(help="Only this method of the engines.")] = "",
+    method: Annotated[str, typer.Option(help="Run only this method of each engine.")] = "",
     campaign: Annotated[
-        str, typer.Option(help="The rows of this campaign, in place of cases.")
+        str, typer.Option(help="Campaign whose rows are used instead of cases.")
     ] = "",
     levels: Annotated[
         int,
-        typer.Option(help="Steps at most, each half of the one before.", min=1, max=10),
+        typer.Option(
+            help="Largest number of step sizes, each half of the previous one.", min=1, max=10
+        ),
     ] = 4,
     out: Annotated[
         Path | None,
         typer.Option(
-            help="Folder for resolution.md, and of the report whose case pages include the result."
+            help=(
+                "Folder for resolution.md. If it contains a report, the pages of its cases"
+                " include the result."
+            )
         ),
     ] = None,
     jobs: options.Jobs = None,
     no_cache: Annotated[
-        bool, typer.Option("--no-cache", help="Ignore what was measured before.")
+        bool, typer.Option("--no-cache", help="Ignore stored measurements.")
     ] = False,
     computed: Annotated[
         bool,
         typer.Option(
-            "--computed", help="Also compute it without misread runs, by certified derivatives."
+            "--computed",
+            help=(
+                "Also compute the result from certified derivatives, without runs that"
+                " misread a number."
+            ),
         ),
     ] = False,
     json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
 ) -> None:
-    """Finds the smallest relative misreading of each number of a scene that a run would notice.
+    """Finds the smallest reading errors that are detected.
 
-    Each number (a mass, a stiffness, a friction, a start, ...) is multiplied by 1 + a in every
-    request that an engine gets, and its runs are judged as if it had been read correctly. The
-    smallest a at which some finding fails is found by trial, between 1e-12 and 1. The result says
-    what a pass excludes, not whether the engine is right. Exit status 0.
+    Each number of a scene has one, relative to its value.
+
+    Each number (a mass, a stiffness, a coefficient of friction, an initial value, ...) is
+    multiplied by 1 + a in every request to an engine, and the runs are judged as if the number had
+    been read correctly. A search between 1e-12 and 1 finds the smallest a at which a finding fails.
+    The result states which errors a passed check excludes, not whether the engine is right. Exit
+    status 0.
 
     Example: refdem resolution hard-spheres --engine pymunk --engine rebound
     """

@@ -22,25 +22,27 @@ def command(
         list[str] | None,
         typer.Argument(
             autocompletion=completion.cases,
-            help="Cases, also as `pendulum[theta0=2]`; default: those of the campaign.",
+            help=(
+                "Cases such as `pendulum` or `pendulum[theta0=2]`; default: those of the campaign."
+            ),
         ),
     ] = None,
     engine: options.Engines = None,
-    method: Annotated[str, typer.Option(help="Only this method of the engine.")] = "",
+    method: Annotated[str, typer.Option(help="Run only this method of each engine.")] = "",
     step: Annotated[
-        float | None, typer.Option(help="Largest step [s]; refinement continues from it.")
+        float | None, typer.Option(help="Largest step [s]. Each refinement halves the step.")
     ] = None,
     steps_per_tau: Annotated[
         float | None,
-        typer.Option(help="Largest step, as the number of steps per shortest time tau."),
+        typer.Option(help="Largest step, given as the number of steps per shortest time tau."),
     ] = None,
     set: options.Settings = None,
     campaign: Annotated[
         str,
         typer.Option(
             help=(
-                "Campaign, a name or a TOML file; with cases, only those of it. Default"
-                " without cases: main."
+                "Campaign: a name or a TOML file. If cases are named as well, only these cases of"
+                " the campaign run. Default without cases: main."
             )
         ),
     ] = "",
@@ -49,23 +51,25 @@ def command(
         typer.Option(
             "--bless",
             help=(
-                "Write the findings decided now as those that the campaign must decide,"
-                " and show the changes."
+                "Record the findings that are decided in this run as those that the campaign must"
+                " decide, and show the changes."
             ),
         ),
     ] = False,
     out: Annotated[Path, typer.Option(help="Folder for the report.")] = Path("refdem-report"),
     jobs: options.Jobs = None,
     scheduler: options.Scheduler = None,
-    no_cache: Annotated[bool, typer.Option("--no-cache", help="Ignore stored runs.")] = False,
+    no_cache: Annotated[
+        bool, typer.Option("--no-cache", help="Ignore stored runs and compute all of them.")
+    ] = False,
     json: Annotated[
-        bool, typer.Option("--json", help="Print the outcome as JSON in place of the summary.")
+        bool, typer.Option("--json", help="Print the outcome as JSON instead of the summary.")
     ] = False,
 ) -> None:
-    """Runs cases in engines and writes a report.
+    """Runs cases in engines, judges the runs, and writes a report.
 
-    Of several engines named here those that are installed run; a sentence at the end says of each
-    other one how to install it, and the exit status is then 2 where all else holds.
+    If some of several named engines are not installed, the others run. A message at the end
+    explains how to install each missing one, and the exit status is 2 if nothing else failed.
 
     Example: refdem run pendulum --set theta0=2 --engine reference --engine mujoco --out report
     """

@@ -11,11 +11,14 @@ def command(
     what: Annotated[
         str,
         typer.Argument(
-            help="request, trajectory, solids, records, scene, toml, stress or certified"
+            help=(
+                "Name of the schema: request, trajectory, solids, records, scene, toml,"
+                " stress or certified."
+            )
         ),
     ],
 ) -> None:
-    """Prints one of the JSON Schemas.
+    """Prints the JSON Schema of a file that refdem reads or writes.
 
     Example: refdem schema request
     """

@@ -5,8 +5,12 @@ from typing import Annotated
 import typer
 
 
-def command(engine: Annotated[str, typer.Argument(help="The engine.")]) -> None:
-    """Tests an adapter: clock, units, signs, shapes, quaternion order, inertia axes.
+def command(
+    engine: Annotated[str, typer.Argument(help="Engine, or path to a refdem.toml file.")],
+) -> None:
+    """Tests the adapter of an engine.
+
+    Small scenes test its clock, units, signs, shapes, quaternion order and inertia axes.
 
     Example: refdem smoke mujoco
     """

@@ -23,30 +23,38 @@ def command(
         list[str] | None,
         typer.Argument(
             autocompletion=completion.cases,
-            help="Only sweeps on these cases, also as `pendulum[theta0=2]`; default: all.",
+            help=(
+                "Run only sweeps on these cases, such as `pendulum` or `pendulum[theta0=2]`;"
+                " default: all."
+            ),
         ),
     ] = None,
     engine: options.Engines = None,
-    method: Annotated[str, typer.Option(help="Only this method of the engines.")] = "",
-    battery: Annotated[list[str] | None, typer.Option(help="Only these batteries.")] = None,
+    method: Annotated[str, typer.Option(help="Run only this method of each engine.")] = "",
+    battery: Annotated[
+        list[str] | None, typer.Option(help="Run only these batteries; default: all.")
+    ] = None,
     require: Annotated[
         bool,
         typer.Option(
-            "--require", help="Hold every engine to the ranges that the reference promises."
+            "--require",
+            help="Require of every engine the ranges that are promised for the reference.",
         ),
     ] = False,
     longest: Annotated[
         float,
         typer.Option(
-            help="Longest forecast run time [s] (for 1e8 steps); longer runs are skipped."
+            help=(
+                "Longest forecast of a run time [s]. Runs with a longer forecast are skipped."
+                " Raise it for runs of up to 1e8 steps."
+            )
         ),
     ] = 5.0,
     timeout: Annotated[
         float,
         typer.Option(
             help=(
-                "Time limit of a run [s]; a run that exceeds it is killed, and its point"
-                " is an error."
+                "Time limit of a run [s]. A run that exceeds it is killed and counts as an error."
             )
         ),
     ] = 20.0,
@@ -56,8 +64,10 @@ def command(
     ] = Path("refdem-stress"),
     json: Annotated[bool, typer.Option("--json", help="Print the record as JSON.")] = False,
 ) -> None:
-    """Finds where methods break; exit 1 if a promised range breaks, 3 if only crashes and hangs
-    break it, 2 if nothing was judged.
+    """Finds where methods fail: scenes become harder step by step.
+
+    Exit status 1 if a method fails within a promised range, 3 if it only crashes or hangs there, 2
+    if nothing was judged.
 
     Example: refdem stress two-spheres --engine reference --engine refdem.toml --battery mass-ratio
     --battery frame

@@ -17,50 +17,69 @@ def command(
         str,
         typer.Argument(
             autocompletion=completion.cases,
-            help="The case, also as `pendulum[gravity=2]` for parameters that stay.",
+            help=(
+                "A case such as `pendulum`, or `pendulum[gravity=2]` with fixed values of"
+                " other parameters."
+            ),
         ),
     ],
     set: Annotated[
         list[str] | None,
         typer.Option(
             help=(
-                "Parameter with its values: name=0.5,1,2, or name=0.5:2:0.5 from first to last in"
-                " steps; of an array, name='1,2,3;1,2,4'. With several, all combinations."
+                "Parameter with its values: name=0.5,1,2, or name=FIRST:LAST:STEP as in"
+                " 0.5:2:0.5. Values of an array are separated by semicolons: name='1,2,3;1,2,4'."
+                " Several parameters are combined in all ways."
             )
         ),
     ] = None,
     engine: options.Engines = None,
-    method: Annotated[str, typer.Option(help="Only this method of the engines.")] = "",
+    method: Annotated[str, typer.Option(help="Run only this method of each engine.")] = "",
     step: Annotated[
-        float | None, typer.Option(help="Largest step [s]; refinement continues from it.")
+        float | None, typer.Option(help="Largest step [s]. Each refinement halves the step.")
     ] = None,
     steps_per_tau: Annotated[
         float | None,
-        typer.Option(help="Largest step, as the number of steps per shortest time tau."),
+        typer.Option(help="Largest step, given as the number of steps per shortest time tau."),
     ] = None,
     levels: Annotated[
         int,
         typer.Option(
-            help="Steps at most, each half of the one before; an order needs three.", min=1, max=10
+            help=(
+                "Largest number of step sizes, each half of the previous one. An observed"
+                " order needs three."
+            ),
+            min=1,
+            max=10,
         ),
     ] = 4,
     out: Annotated[
-        Path, typer.Option(help="Folder for sweep.md, .csv and .json; of two parameters .html.")
+        Path,
+        typer.Option(
+            help=(
+                "Folder for sweep.md, sweep.csv and sweep.json; with two parameters also"
+                " sweep.html."
+            )
+        ),
     ] = Path("refdem-sweep"),
     jobs: options.Jobs = None,
     scheduler: options.Scheduler = None,
-    no_cache: Annotated[bool, typer.Option("--no-cache", help="Ignore stored runs.")] = False,
+    no_cache: Annotated[
+        bool, typer.Option("--no-cache", help="Ignore stored runs and compute all of them.")
+    ] = False,
     json: Annotated[
-        bool, typer.Option("--json", help="Print the table as JSON in place of text.")
+        bool, typer.Option("--json", help="Print the table as JSON instead of text.")
     ] = False,
 ) -> None:
-    """Tables error, cost and verdict over the parameters of a case, for engines and steps.
+    """Tabulates errors and costs over values of parameters.
+
+    The table has the error, cost and verdict of engines in one case.
 
     Each row is one method at one setting with one step. The error is the largest over the run,
-    against certified truth, in units of the scale of each quantity. The verdict is the worst of
-    what was decided at that setting, over all steps. Of two parameters, sweep.html has a heat map
-    of correct digits for each method. What has run is kept: a sweep that was killed, or has more
-    values, runs only what is missing. Exit status as of `refdem run`.
+    against certified truth, in units of the scale of each quantity. The verdict is the worst one at
+    that setting, over all steps. With two parameters, sweep.html has a heat map of correct digits
+    for each method. Runs are stored, so that a sweep that was interrupted, or has more values,
+    computes only those that are missing. The exit status is that of `refdem run`.
 
     Example: refdem sweep pendulum --set theta0=0.5,1,2 --engine reference --engine mujoco
     """

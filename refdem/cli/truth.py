@@ -34,40 +34,55 @@ def command(
     case: Annotated[
         str,
         typer.Argument(
-            autocompletion=completion.cases, help="The case; with --list, default: all."
+            autocompletion=completion.cases, help="Case; with --list and --csv, default: all."
         ),
     ] = "",
-    set: Annotated[list[str] | None, typer.Option(help="Parameter, name=value.")] = None,
+    set: Annotated[
+        list[str] | None, typer.Option(help="Parameter of the case, name=value.")
+    ] = None,
     at: Annotated[
-        str, typer.Option(help="Times [s], separated by commas; decimals or fractions, exact.")
+        str,
+        typer.Option(
+            help="Times [s], separated by commas. Decimals and fractions are read exactly."
+        ),
     ] = "",
     digits: Annotated[
-        int, typer.Option(help="Number of digits before the radius begins.", min=1, max=1000)
+        int, typer.Option(help="Number of certified digits of each value.", min=1, max=1000)
     ] = 40,
     sensitivities: Annotated[
         bool,
         typer.Option(
             "--sensitivities",
-            help="Print the derivative of every quantity by every number of the case, in balls.",
+            help=(
+                "Print the derivative of every quantity with respect to every number of the"
+                " case, as balls."
+            ),
         ),
     ] = False,
     json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
     list: Annotated[
         bool,
         typer.Option(
-            "--list", help="List what is certified: sets, values, digits, methods, witnesses."
+            "--list",
+            help=(
+                "List the certified sets with their numbers of values, digits, methods and"
+                " witnesses."
+            ),
         ),
     ] = False,
     csv: Annotated[
         bool,
         typer.Option(
             "--csv",
-            help=("Print the certified values that refdem ships, of one case or of all, as CSV."),
+            help=(
+                "Print the certified values that refdem contains, of one case or of all, as CSV."
+            ),
         ),
     ] = False,
 ) -> None:
-    """Prints certified values of a case, for any parameters, or lists what comes proved with
-    refdem.
+    """Prints certified values of a case.
+
+    The parameters are free. With --list and --csv, shows the certified values that refdem contains.
 
     Example: refdem truth pendulum --set theta0=2 --at 1,5/2 --json
     """

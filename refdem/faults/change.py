@@ -95,10 +95,10 @@ class Late:
     def __init__(self, sound: Callable[..., Any]) -> None:
         self.sound = sound
         self.answers: list[Any] = []
-        """The answer of the call before, then that of this one."""
+        """The result of the previous call, then that of this one."""
 
     def __call__(self, *arguments: Any) -> Any:
-        """The answer of the call before this one."""
+        """The result of the previous call."""
         self.answers.append(self.sound(*arguments))
         if len(self.answers) > 1:
             return self.answers.pop(0)

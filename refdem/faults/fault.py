@@ -1,5 +1,5 @@
-"""A fault: what is wrong, on which settings it acts, and the quantity of the check that must detect
-it; and an engine into which it is planted.
+"""Known faults: the error, the settings on which it acts, and the quantity of the check that must
+detect it; and an engine with such a fault.
 """
 
 from collections.abc import Callable, Mapping
@@ -18,13 +18,13 @@ Inside = Callable[[Parts], Mapping[str, Any]]
 
 @dataclass(frozen=True, kw_only=True)
 class Fault:
-    """One known fault. Exactly one of `before`, `after` and `inside` says what is wrong.
+    """One known fault. Exactly one of `before`, `after` and `inside` defines the error.
 
     before(request) changes the request, after(request, trajectory) the trajectory. inside(parts)
     gives the faulty parts by name, and is called for every engine, so that engines do not share the
     memory of parts. `on` names the settings on which the fault acts with `method` of the
-    transparent engine, `sees` the (check, quantity) that must fail there, and `levels` the number
-    of refinement levels that this needs.
+    transparent engine, `sees` is the (check, quantity) that must fail there, and `levels` is the
+    number of refinement levels that this needs.
     """
 
     name: str

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 def load(case: str = "", *, folder: "Path | str | None" = None) -> "list[CertifiedSet]":
     """The certified sets of one case, or of all; every hash is checked.
 
-    Raises ValueError that says what is wrong and where.
+    Raises ValueError with the error and its place.
     """
     from refdem.truth.certified import reader
 

@@ -18,10 +18,10 @@ Theorem (errors): what an error made at s has become at t, with tau = t - s, is
 
 Proof: d|M|^2/2 = L^2 alpha and dE = omega . J d are constants. The variational equation of Euler's
 equations is solved by M', by M + t M' (the motion scaled in time) and by w/W + k M' (more energy,
-the same |M|), where k' = (w J^-1 w - b J^-1 b)/W^2: the equation along b says so. These three span
-all changes, which gives alpha, beta, gamma. (psi . M)' = d . M = dE gives p. In space the change of
-the momentum, R (J d + psi x M), is constant: in body axes lambda turns about m as axes fixed in
-space do, by the unit number q, and psi across M is m x (lambda - J d/L).
+the same |M|), where k' = (w J^-1 w - b J^-1 b)/W^2: this follows from the component of the equation
+along b. These three span all changes, which gives alpha, beta, gamma. (psi . M)' = d . M = dE gives
+p. In space the change of the momentum, R (J d + psi x M), is constant: in body axes lambda turns
+about m as axes fixed in space do, by the unit number q, and psi across M is m x (lambda - J d/L).
 
 Theorem (all times): omega has a period P in body axes. W and the axes repeat, k grows by the same
 kappa and q by the same factor in each period, so that with n periods more between s and t
@@ -43,11 +43,11 @@ and D depends on tau alone.
 
 All of this is known in balls. What is read, D and what errors are made of are then doubles with the
 bounds of midpoint_radius.py, entry by entry: D of a needle has entries of 1e12 that meet others of
-1e-12, and no bound by norms could tell that little is lost.
+1e-12, and a bound by norms would be too large to show that little is lost.
 
 Hypotheses, and where each is checked:
 
-* W is not 0, so that the axes exist: the exact start decides which bodies spin steadily
+* W is not 0, so that the axes exist: the exact start shows which bodies spin steadily
   (free_body.kind, RigidCluster.is_steady), and these are `Spinning`; a W whose ball holds 0 makes
   what follows not finite, which `near` refuses with UndecidedError;
 * k is that of the motion: `FreeBody.lead`, in closed form for each kind of motion;
@@ -407,8 +407,8 @@ class Tumbling(BodyGrowth):
         return bound
 
     def has_parted(self, time: arb) -> bool:
-        """True if W(0)/W(t), by which errors of a motion without a period grow, is more than
-        doubles can say.
+        """True if W(0)/W(t), by which errors of a motion without a period grow, exceeds the range
+        of doubles.
         """
         return bool(self.across(arb(0)) / self.across(time) > BOUNDLESS)
 
@@ -613,7 +613,7 @@ class Spinning(BodyGrowth):
     def waves(self, time: arb) -> tuple[arb, arb]:
         """x and y after a time [s]: the solutions of f'' = -c f from (1, 0) and from (0, 1).
 
-        UnsharpError where the sign of c, which tells a stable spin, is not known.
+        UnsharpError if the sign of c, which is positive for a stable spin, is not known.
         """
         if self.square.is_zero():
             return arb(1), time

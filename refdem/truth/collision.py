@@ -7,11 +7,11 @@ moves uniformly.
 
 Hypotheses, and where each is checked:
 
-* those of a motion through events: events/truth.py says where;
+* those of a motion through events, as listed in events/truth.py;
 * t >= 0, after touch: `Collision.at`;
 * the units of the phases are exact, so that S is that of the phases, read in the scales of both
   bodies: they are dyadic (contact_phases.py);
-* a formula is used only where the parameters say exactly that it holds: `formula_at`.
+* a formula is used only if the exact parameters satisfy its conditions: `formula_at`.
 
 Formula: x1 = x_c + m2/M r, x2 = x_c - m1/M r, with r = x1 - x2 (`moved_by_shares`); x_c + t v_c for
 the centre of mass (`drift`).
@@ -53,9 +53,8 @@ Formula = Callable[[], dict[str, arb]]
 class Collision(Guarded, Truth):
     """The motion through a contact as quantities of the bodies, which `refiner` has the scales of.
 
-    Errors are counted in the
-    quantities of both bodies, while a mode knows their relative motion only: `beside`, `chart` and
-    `drift` add the centre of mass, which moves uniformly.
+    Errors are counted in the quantities of both bodies, while a mode has only their relative
+    motion: `beside`, `chart` and `drift` add the centre of mass, which moves uniformly.
     """
 
     refiner: Refiner
@@ -94,7 +93,7 @@ class Collision(Guarded, Truth):
     @abstractmethod
     def bodies(self) -> arb_mat:
         """The derivative of the quantities `counted`, and of the coordinates that only the mode
-        knows, by the coordinates of the mode and those of the centre of mass.
+        has, by the coordinates of the mode and those of the centre of mass.
         """
 
     @abstractmethod
@@ -177,7 +176,8 @@ class Collision(Guarded, Truth):
         """CPU seconds that `at(t)` to so many digits is about to cost: those of the contact, which
         lasts half a period of its spring.
 
-        The scalars ask for the whole contact whatever t is; what comes after it costs nothing.
+        The scalars need the whole contact, whatever t is; the motion after it takes no time to
+        compute.
         """
         if self.formula_of_scalars() is not None:
             return 0.0
@@ -317,9 +317,7 @@ class Collision(Guarded, Truth):
         return rows
 
     def scales_of_coordinates(self) -> list[arb]:
-        """The scales of the quantities `counted`, and 1 for each coordinate that only the mode
-        knows.
-        """
+        """The scales of the quantities `counted`; 1 for each coordinate that only the mode has."""
         scales = [arb_of(self.scale[name]) for name in self.counted()]
         count = self.phases.size - 1 + len(self.drifting())
         return scales + [arb(1)] * (count - len(scales))

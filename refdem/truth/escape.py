@@ -6,7 +6,7 @@ let z > 0 and z' > a z^m at some time, with a > 0 and
     k - w+ z^(1-n) - F z^(-n) - 2 d+ a z^((1-n)/2) > m a^2        (x+ is the larger of x and 0).
 
 Then z is infinite within 2/((n - 1) a z^((n-1)/2)). Proof: where z' = a z^m, the inequality times
-z^n says that z'' > m a^2 z^(2m-1), which is (a z^m)'; so z' - a z^m cannot become negative, z
+z^n is z'' > m a^2 z^(2m-1), and the right side is (a z^m)'; so z' - a z^m cannot become negative, z
 grows, and with z the left side of the inequality does. From z' > a z^m follows (z^(1-m))' < (1 - m)
 a.
 """

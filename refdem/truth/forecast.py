@@ -26,7 +26,7 @@ from flint import arb
 SHARE = 8
 """A forecast integrates the part 1/SHARE of the motion."""
 SCOUTED_SHARE = 24
-"""The same where a scout knows the pieces of all modes ahead of the proof."""
+"""The same if a scout has the pieces of all modes ahead of the proof."""
 PIECES = 16
 """The least number of pieces that are made for a forecast."""
 WITHOUT_CYCLE = 4 * PIECES
@@ -126,9 +126,9 @@ class Course:
 
     At least `least` pieces, and the part 1/`share` of the rest, are made before a forecast is used.
     `clock` maps a time [s] to one in which the cost of the motion is uniform, and all times of the
-    methods are in it. `swelling` predicts the growth of an existing error.
-    `entries` has, for each event passed, the mode that it entered and the number of the mark there;
-    `has_events` says that there may be some that no clock foresees.
+    methods are in it. `swelling` predicts the growth of an existing error. `entries` has, for each
+    event passed, the mode that it entered and the number of the mark there; `has_events` is True if
+    there may be events that no clock predicts.
     """
 
     bits: int
@@ -142,7 +142,8 @@ class Course:
 
     def cycle_entries(self) -> list[Mark]:
         """The marks at the entries into the mode that has been entered most often, of those the
-        last one to be entered; empty where no mode was entered twice, or a clock knows more.
+        last one to be entered; empty if no mode was entered twice, or if a clock predicts the
+        events.
         """
         if not self.has_events:
             return []
@@ -200,14 +201,14 @@ class Course:
     def growth_to(self, t: float) -> float:
         """log2 of the growth of the radius per unit of the clock, from the last mark to t.
 
-        An error that is there grows as `swelling` foresees it. What a proof adds on its way, by
-        errors of its own and by sets that wrap the motion, goes on at the rate of the later half.
+        An existing error grows as `swelling` predicts. The errors that a proof adds, its own and
+        those by sets that wrap the motion, continue to grow at the rate of the later half.
         """
         half, last = self.later_half()
         passed = last.time - half.time
         ahead = t - last.time
         growth = 0.0
-        # The first pieces of a set that begins as a point say nothing of how it grows.
+        # The first pieces of a set that begins as a point do not show how it grows.
         made = self.marks[-1].pieces - self.marks[0].pieces
         if passed > 0 and made >= PIECES:
             swelled = self.swelling(last.time) - self.swelling(half.time)
@@ -266,7 +267,7 @@ class Course:
         return min(1.0, max(0.0, (1.0 + lacking / unsure) / 2))
 
     def is_enough(self, made: int, left: float, seconds: float) -> bool:
-        """Whether what was `made` [pieces] says how much is `left` [pieces, CPU seconds]."""
+        """True if the pieces `made` suffice to estimate what is `left` [pieces, CPU seconds]."""
         if made < self.least:
             return made >= FEW_PIECES and seconds > FAR_BEYOND * HOPELESS
         return made * self.share >= left or seconds > HOPELESS
@@ -287,11 +288,11 @@ def follow(
     t: Fraction,
     work: Callable[[], float],
 ) -> None:
-    """Follows a motion by steps, marking each, until t, until `step` says that there are no more,
-    or until enough is known.
+    """Follows a motion by steps, marking each, until t, until `step` returns False, or until enough
+    is known.
 
-    `state` has the time reached, the pieces made and the radius of the set; `work` is what the
-    course says is left, in pieces.
+    `state` has the time reached, the pieces made and the radius of the set; `work` is the remaining
+    work by the course, in pieces.
     """
     spent = 0.0
     tell = _LISTENER.get() or (lambda seconds: None)

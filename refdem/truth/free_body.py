@@ -372,7 +372,7 @@ class Elliptic(Nodal):
     method = "Jacobi elliptic functions for omega, Jacobi's theta function for the attitude"
 
     def __post_init__(self) -> None:
-        """Raises UndecidedError where balls cannot tell about which axis the body turns."""
+        """Raises UndecidedError if balls do not decide about which axis the body rotates."""
         # Every other number is a step towards these two.
         for name in ("drift", "phase0"):
             getattr(self, name)
@@ -594,7 +594,7 @@ Kind = type[Steady] | type[Axisymmetric] | type[Separatrix] | type[Elliptic]
 
 
 def kind(inertia: Exact3, omega: Exact3) -> Kind:
-    """The kind of motion, which the exact start decides."""
+    """The kind of motion, which follows from the exact initial state."""
     momentum = [j * w for j, w in zip(inertia, omega, strict=True)]
     is_parallel = all(momentum[i] * omega[j] == momentum[j] * omega[i] for i in AXES for j in AXES)
     if is_parallel:

@@ -349,8 +349,7 @@ class Element:
         residual = self.off_one(centre, exact)
         fine = None
         if not residual < WIDEST / 4:
-            # An M whose columns are nearly alike: its inverse asks for more digits than doubles
-            # have.
+            # The columns of M are nearly parallel: its inverse needs more digits than doubles have.
             exact = fine = fine_inverse(centre)
             residual = self.off_one(centre, exact)
             inverse, _ = doubles(exact)

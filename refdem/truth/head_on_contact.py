@@ -127,7 +127,7 @@ class HeadOnContact:
                 overlap = free_overlap
                 rate = free_rate
             else:
-                # Balls cannot tell on which side of the end t lies: both are held.
+                # Balls do not decide on which side of the end t lies: the union contains both.
                 overlap = overlap.union(free_overlap)
                 rate = rate.union(free_rate)
         return [overlap - arb_of(self.pair.reach), arb(0), rate, arb(0), arb(0), arb(0)]

@@ -12,8 +12,8 @@ from n = N on, and l the derivative of that ratio. Then |T_(N+k)| <= r^k |T_N|, 
 Hypotheses, and where each is checked:
 
 * r bounds every ratio from N on: `Ratio.bound`, of factors that fall with n where c + N > 0;
-* r < 1, and what is left out is less than the working precision tells: `slope_by`, which takes more
-  terms, at most MOST_TERMS, until both hold.
+* r < 1, and the remainder is below the working precision: `slope_by`, which takes more terms, at
+  most MOST_TERMS, until both hold.
 """
 
 from dataclasses import dataclass
@@ -99,7 +99,7 @@ def abs_upper(x: arb) -> arb:
 def slope_by(ratio: Ratio, which: Which) -> arb:
     """The derivative of 2F1 by one parameter, the sum of the theorem with its remainder.
 
-    UndecidedError where MOST_TERMS terms leave more than the working precision tells.
+    UndecidedError if the remainder after MOST_TERMS terms exceeds the working precision.
     """
     term = arb(1)
     slope = arb(0)

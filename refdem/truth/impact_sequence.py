@@ -40,8 +40,8 @@ from refdem.truth.surds import Number, sign
 from refdem.truth.vectors import dot
 
 TOLD_APART = Fraction(1, 2**40)
-"""Part of the time of impact within which a sample counts as at the impact: binary64 tells times
-apart to 2^-52, and an engine's own time of impact is rounded a few times.
+"""Part of the time of impact within which a sample counts as at the impact: binary64 resolves times
+to 2^-52, and an engine's own time of impact is rounded a few times.
 """
 OF_BODY = 9
 """Numbers of the state of a body: r, v, omega."""
@@ -116,8 +116,8 @@ class Moment:
     kind: exact ones, or balls.
 
     `wait` [s] is the time since the moment before it, or since the start. `encounters` are all that
-    come at this time, no two of which share a body; `sides` says of each on which side of Coulomb's
-    limit it is.
+    come at this time, no two of which share a body; `sides` has for each the side of Coulomb's
+    limit on which it is.
     """
 
     time: Any
@@ -164,8 +164,8 @@ class Impacts(Protocol):
 
 
 class ImpactList:
-    """The impacts of bodies that start so, in order and in exact arithmetic; made as far as they
-    are asked for, up to `most` moments.
+    """The impacts of bodies that start so, in order and in exact arithmetic. They are computed on
+    demand, up to `most` moments.
     """
 
     def __init__(
@@ -297,7 +297,7 @@ class ImpactSequence(ClosedForm):
     def of(
         cls, scale: Mapping[str, Size], impacts: Impacts, coordinates: Sequence[int], family: Family
     ) -> Self:
-        """The motion of quantities with these scales, which are proved as the family says."""
+        """The motion of quantities with these scales, proved by the method of the family."""
         refiner = Refiner.of(scale)
         return cls(refiner, impacts, coordinates, family, family.method, family.witness)
 
@@ -444,8 +444,8 @@ class ImpactSequence(ClosedForm):
         return self.scale[self.state[column]] / self.scale[self.state[row]]
 
     def stretches(self, kinks: Sequence[bool]) -> Iterator[Stretch]:
-        """The flights, with the impacts at their ends; `kinks` says of every impact in which
-        friction is just enough whether it counts as cut.
+        """The flights, with the impacts at their ends; for every impact in which friction is just
+        sufficient, `kinks` is True if it counts as limited by Coulomb's law.
         """
         count = len(self.state)
         moving = [

@@ -2,10 +2,10 @@
 own.
 
 The pair that meets next is the one whose ball of times lies before those of all others. Every such
-comparison holds for whole balls; where one does not, UndecidedError asks for more bits. So the
-order of the list is proved at every precision at which there is a list. Balls never tell that two
-times are equal: motions in which they are, as in a rack that is hit along its line of symmetry, end
-so at every precision.
+comparison holds for whole balls; where one does not, UndecidedError is raised and the precision is
+increased. So the order of the list is proved at every precision at which there is a list. Balls
+never prove that two times are equal: motions in which they are, as in a rack that is hit along its
+line of symmetry, end with this error at every precision.
 """
 
 from collections.abc import Sequence
@@ -20,7 +20,8 @@ from refdem.truth.surds import sign
 
 
 class GrazingError(UndecidedError):
-    """Balls do not tell whether bodies meet or pass each other; not before `earliest` [s], if so.
+    """Raised if balls do not decide whether bodies collide or pass each other; a collision is not
+    before `earliest` [s].
 
     It does not matter where another impact of theirs comes first.
     """
@@ -118,8 +119,8 @@ class _ListOfPrecision:
         return first
 
     def follow(self) -> None:
-        """Appends the moment after the last one, or finds that there is none; UndecidedError where
-        balls do not tell which impact is the next one.
+        """Appends the moment after the last one, or finds that there is none; UndecidedError if
+        balls do not decide which impact is the next one.
         """
         if not self.coming and not self.doubtful:
             self.is_complete = True

@@ -21,7 +21,7 @@ Hypotheses, and where each is checked:
 
 * M is regular: `inverted` raises UnsharpError where balls hold a matrix without an inverse;
 * |dG| <= w^2 on the whole cell: `gradient` is evaluated on a ball of all its times (`moment`);
-* w h is not too large for a bound of use: `change` says infinity beyond FARTHEST, and the cell is
+* w h is small enough for a useful bound: `change` is infinite beyond FARTHEST, and the cell is then
   halved;
 * the cells cover all times at which errors are made: `spans`, up to `end`, whose ball's upper end
   is taken.

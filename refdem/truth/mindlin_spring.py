@@ -196,7 +196,7 @@ class Stretched:
         return slope * self.spring.pace(self.leg, x)
 
     def beyond(self) -> "Stretched":
-        """The same stretch on the next leg: s and its rate go on where the legs meet."""
+        """The same stretch on the next leg: s and its rate are continuous where the legs meet."""
         _, last = self.spring.ends(self.leg)
         first, _ = self.spring.ends(self.leg + 1)
         stretch, _, _ = self.at(last)

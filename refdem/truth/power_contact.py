@@ -6,7 +6,7 @@ Theorem: with a = 1/(n+1), d_m = ((n+1) m v^2/(2k))^a, y = d/d_m and s = d'/v th
 
 Hypotheses, and where each is checked:
 
-* the contact lasts at t: `PowerContact.state`, by balls; UndecidedError where they cannot tell;
+* the contact lasts at t: `PowerContact.state`, by balls; UndecidedError if they do not decide;
 * a root of the formula is enclosed: its slopes, (1 - y^(n+1))^(-1/2) >= 1 and 2a (1 - s^2)^(a-1) >=
   2a, make the residue of a root divided by the least slope a bound of its error (mean value
   theorem, `root`). It is solved for y or s where its argument is well below 1 (`NEAR_TOUCH`).

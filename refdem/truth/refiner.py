@@ -68,10 +68,10 @@ class Refiner:
     def balls(
         self, formula: Formula, what: str, t: Fraction | None = None, start: Formula | None = None
     ) -> dict[str, Ball]:
-        """Balls of `what` within the target; NotCertifiedError that says which end it is.
+        """Balls of `what` within the target; NotCertifiedError with the code of the failure.
 
-        The codes of ends are those of refdem/errors.py. `start` is the formula at time 0: its balls
-        are the last certified state where a branch is not decided at `t`.
+        The codes are those of refdem/errors.py. `start` is the formula at time 0: its balls are the
+        last certified state where a branch is not decided at `t`.
         """
         target = self.target()
         climb = climbed(formula, target, self.first, self.most)
@@ -146,7 +146,7 @@ class Sensitivity:
     def at(
         self, growth: Callable[[], Grows], t: Fraction, start: Callable[[], Mapping[str, Ball]]
     ) -> float:
-        """S(t) >= 1; NotCertifiedError, with the state at the start, where no precision tells."""
+        """S(t) >= 1; NotCertifiedError, with the state at the start, if no precision suffices."""
         code = "precision"
         why = "no precision suffices"
         for bits in self.bits:
@@ -154,7 +154,7 @@ class Sensitivity:
                 try:
                     return growth().at(t)
                 except (UndecidedError, NotCertifiedError) as error:
-                    # An integration to few bits may end where one to more goes on.
+                    # An integration to few bits may end where one to more bits continues.
                     code = error.code
                     why = str(error)
                     if isinstance(error, UndecidedError) and error.final:

@@ -88,7 +88,7 @@ def rotated(q: Vector, v: Vector) -> list[arb]:
 def upright(q: Vector) -> list[arb]:
     """The one of q and -q whose first component that is not exactly 0 is positive.
 
-    UndecidedError if balls cannot tell.
+    UndecidedError if balls do not decide which one it is.
     """
     for x in q:
         if x > 0:

@@ -16,7 +16,7 @@ PRINTED = 20
 def sampled(truth: Truth, times: Sequence[float], delays: Sequence[float] = ()) -> SampledTruth:
     """The truth at these exact binary64 times [s], up to the first at which it cannot be certified.
 
-    `delays` [s] asks for the values so much before each sample too.
+    The values at the times `delays` [s] before each sample are included.
     """
     certified: list[Fraction] = []
     states: list[Mapping[str, Ball]] = []
@@ -26,7 +26,7 @@ def sampled(truth: Truth, times: Sequence[float], delays: Sequence[float] = ()) 
         t = Fraction(float(sample))
         try:
             balls = truth.at(t)
-            # A time without S is not certified: what it says of errors would be missing.
+            # A time without S is not certified, since the bound on errors would be missing.
             _ = truth.sensitivity(t)
         except NotCertifiedError as error:
             reason = str(error)

@@ -119,7 +119,7 @@ class Scout:
         return self.swellings[last] + rate * (steps - last)
 
     def widest_disc(self) -> float:
-        """The radius [s] beyond which no proof looks for a disc, however far the series converges.
+        """The largest radius [s] of a disc that a proof tries, however far the series converges.
 
         |J| R <= MAX_DISC_EXPONENT, where |J| in the weights of the proof is ABOVE_QUICKEST times
         the largest eigenvalue of the absolute values of J. Infinite where J is not finite.
@@ -133,8 +133,8 @@ class Scout:
         """The radius of convergence, about; not a positive finite number if there is none.
 
         With the coefficients c_n of y, those of the speed y' are n c_n. Each is measured against
-        the largest |c_1| of late, since |c_1| may pass zero; a coordinate that has rested so far
-        says nothing. R is the least (|c_1|/|n c_n|)^(1/(n - 1)) of the last two n.
+        the largest |c_1| of late, since |c_1| may pass zero; a coordinate that has been constant so
+        far is ignored. R is the least (|c_1|/|n c_n|)^(1/(n - 1)) of the last two n.
         """
         radii = [float("inf")]
         for i, one in enumerate(series):

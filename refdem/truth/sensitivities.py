@@ -23,7 +23,7 @@ from refdem.errors import NotCertifiedError, RefdemError
 from refdem.truth.dual import Derivatives, ExactDual
 
 NO_NUMBERS = frozenset({"duration", "samples"})
-"""Parameters that say where a motion is looked at, and not what it is."""
+"""Parameters that choose the times at which a motion is sampled and do not change the motion."""
 DISTANCE = Fraction(1, 2**24)
 """Part of itself by which a number is moved for differences; 2^-24 of its unit if it is 0.
 
@@ -253,7 +253,7 @@ def unbracketed(
     t: Fraction,
 ) -> dict[str, str]:
     """The numbers to whose derivatives differences of certified values do not tend as their
-    distance falls, each with what is seen.
+    distance falls, each with the observed limit.
 
     All numbers are moved at once, each by its own part; where that does not agree, they are moved
     one by one.
@@ -284,7 +284,7 @@ def disagreement(
     direction: Direction,
     t: Fraction,
 ) -> str | None:
-    """None if differences in a direction tend to the derivative in it, else what is seen."""
+    """None if differences in a direction tend to the derivative in it, else the observed limit."""
     expected_of = {
         quantity: direction.derivative(dict(zip(numbers, slopes, strict=True)))
         for quantity, slopes in derivatives.items()

@@ -34,7 +34,7 @@ class Equation(Protocol):
 
 @runtime_checkable
 class Variational(Protocol):
-    """A truth that knows its derivative by the start."""
+    """A truth with derivatives with respect to the initial state."""
 
     def jacobian(self, t: Fraction) -> arb_mat:
         """d quantity_i(t)/scale_i over d start_j/scale_j, with the state as the first rows."""

@@ -12,8 +12,9 @@ a) o_2) x n, and the friction f on 1 is
 
 Two ends are no analytic points of the motion: a slip without spring goes to zero on a spiral whose
 steps grow as 1/|slip|, and a clipped spring turns ever faster where the normal force fades, or
-begins. `singular` is said where the motion is proved to begin at such a point; where it comes near
-to one it is followed until FAINT, and ends as `grazing`: whether it meets that point is not proved.
+begins. The code is `singular` if the motion is proved to begin at such a point. A motion that comes
+near to one is followed until FAINT and ends with the code `grazing`: whether it meets that point is
+not proved.
 """
 
 from collections.abc import Callable

@@ -86,7 +86,7 @@ Number = Fraction | Surd
 def sign(value: Number | arb) -> int:
     """The sign -1, 0 or 1 of an exact number, or of all numbers of a ball.
 
-    UndecidedError for a ball that does not tell it.
+    UndecidedError for a ball that contains 0 and other numbers.
     """
     if isinstance(value, Surd):
         return value.sign()

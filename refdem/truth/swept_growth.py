@@ -64,7 +64,7 @@ def largest_growth(spans: Sequence[Span]) -> float:
     """A bound of the growth of all errors of the spans, at most WIDEST above the supremum, and at
     least 1.
     """
-    # A heap with the largest bound first (as -bound); `count` decides between equal ones.
+    # A heap with the largest bound first (as -bound); `count` orders equal ones.
     waiting: list[tuple[float, int, Span]] = []
     count = 0
     # The largest growth that is proved to happen.

@@ -60,8 +60,8 @@ def weighted(
     r is 5/4 of the spectral radius of |J|, or of `slowest` [1/s] if that is larger; `speeds` are f,
     `slopes` J with its rows one after another. All weights are 1 where these are not finite.
 
-    Without `least` a coordinate whose rate has died out while others go on (a spin that has settled
-    about an axis) would have a weight so small beside theirs that the remainder of the flow
+    Without `least` a coordinate whose rate has decayed while others have not (a spin that has
+    settled about an axis) would have a weight so small beside theirs that the remainder of the flow
     Jacobian, which is in parts of w_i/w_j, swells the set.
     """
     b = np.maximum(doubles(speeds), doubles(least))

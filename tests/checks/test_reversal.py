@@ -215,7 +215,7 @@ def test_steps_that_may_end_before_they_see_the_first_impact_decide_nothing():
     subject = Subject(instance, late, (1e-3,), truth)
     why = _meets_too_soon(subject, 1e-3, 0.0)
     assert why is not None
-    assert "may come later than the end of the run back" in why
+    assert "in the backward run the first impact" in why
     assert _meets_too_soon(subject, 4e-4, 0.0) is None
     assert _meets_too_soon(Subject(instance, method, (0.0,), truth), 0.0, 0.0) is None
 

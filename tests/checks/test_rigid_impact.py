@@ -55,7 +55,7 @@ def test_a_fault_is_seen(fault: str, quantity: str, given: dict[str, str]) -> No
 def test_the_restitution_that_is_seen_is_told_beside_that_of_the_law() -> None:
     (twice,) = chosen(["restitution-twice"])
     sentence = found(twice.carrier(), "verlet", restitution="3/4")["restitution"].sentence
-    assert "0.5625 is seen, the law says 0.75" in sentence
+    assert "0.5625 observed, 0.75 by the law" in sentence
 
 
 def test_a_method_that_sees_impacts_late_is_undecided_at_steps_that_hide_them() -> None:

@@ -260,9 +260,9 @@ def test_weight_and_forces_of_one_frequency_change_no_frequencies() -> None:
 @pytest.mark.parametrize(
     ("given", "reason"),
     [
-        ({"duration": "3", "samples": "64"}, "too few or too short"),
-        ({"duration": "32", "samples": "8"}, "too few or too short"),
-        ({"delta": "0", "drive": "1/2,1/2"}, "too few or too short"),
+        ({"duration": "3", "samples": "64"}, "too few or cover too short a time"),
+        ({"duration": "32", "samples": "8"}, "too few or cover too short a time"),
+        ({"delta": "0", "drive": "1/2,1/2"}, "too few or cover too short a time"),
         ({"f0": "0,0"}, "not one body on a spring under periodic forces"),
     ],
 )

@@ -1,5 +1,5 @@
-"""The parameters that members of the family may have; each member says which of them it takes, and
-its own values.
+"""The parameters that members of the family may have; each member selects those that it uses, and
+has its own values.
 """
 
 from fractions import Fraction

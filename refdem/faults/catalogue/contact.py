@@ -87,7 +87,10 @@ def _with_shapes(request: Request, shapes: Any) -> Request:
 FAULTS = (
     contact(
         name="stiffness-in-series",
-        sentence="Both spheres have the stiffness, one behind the other: half of it acts.",
+        sentence=(
+            "The stiffness of the pair is given to each sphere, and both act in series: half"
+            " of it results."
+        ),
         on=("knock",),
         sees=("error", "r1.x"),
         before=of_elements(Contact, stiffness=scaled(0.5)),
@@ -102,14 +105,14 @@ FAULTS = (
     ),
     contact(
         name="damping-doubled",
-        sentence="Damping counts twice, once for each body.",
+        sentence="Damping is applied twice, once for each body.",
         on=("knock",),
         sees=("error", "v1.x"),
         before=of_elements(Contact, damping=scaled(2.0)),
     ),
     contact(
         name="damping-by-one-mass",
-        sentence="Damping for the mass of one body, not for the effective mass.",
+        sentence=("The damping constant uses the mass of one body instead of the effective mass."),
         on=("parting",),
         sees=("error", "v2.x"),
         levels=4,
@@ -124,7 +127,7 @@ FAULTS = (
     ),
     contact(
         name="damping-on-approach-only",
-        sentence="The dashpot acts on approach only.",
+        sentence="The dashpot acts during approach only.",
         on=("knock",),
         sees=("error", "v1.x"),
         levels=4,
@@ -132,7 +135,7 @@ FAULTS = (
     ),
     contact(
         name="damping-late",
-        sentence="The dashpot uses the velocity of the step before.",
+        sentence="The dashpot uses the velocity of the previous step.",
         on=("knock",),
         levels=6,
         sees=("order", "state"),
@@ -140,7 +143,10 @@ FAULTS = (
     ),
     contact(
         name="cutoff-never-pulls",
-        sentence="The force ends when it would pull; the law says with the overlap.",
+        sentence=(
+            "The contact ends where the force becomes attractive; by the law it ends with the"
+            " overlap."
+        ),
         on=("knock",),
         sees=("error", "v1.x"),
         levels=5,
@@ -148,7 +154,9 @@ FAULTS = (
     ),
     contact(
         name="cutoff-pulls",
-        sentence="The force pulls until the overlap ends; the law says that it never pulls.",
+        sentence=(
+            "The force is attractive before the overlap ends; by the law it is never attractive."
+        ),
         on=("parting",),
         sees=("error", "v2.x"),
         levels=6,
@@ -156,21 +164,21 @@ FAULTS = (
     ),
     contact(
         name="overlap-half",
-        sentence="Each sphere has half of the overlap.",
+        sentence="Only half of the overlap is used, as if each sphere had one half.",
         on=("bounce",),
         sees=("error", "r2.x"),
         inside=of_results(overlap=lambda found: found / 2),
     ),
     contact(
         name="overlap-of-diameters",
-        sentence="Contact begins before the surfaces meet: radius 1 % too large.",
+        sentence="Contact begins before the surfaces touch: the radius is 1 % too large.",
         on=("bounce",),
         sees=("error", "v1.x"),
         before=_larger_radii,
     ),
     contact(
         name="law-of-hertz",
-        sentence="The exponent 3/2 of Hertz in the linear law.",
+        sentence="The linear law has the exponent 3/2 of Hertz's law.",
         on=("bounce",),
         sees=("error", "v1.x"),
         inside=of_parts(normal_force=_hertz),
@@ -184,7 +192,7 @@ FAULTS = (
     ),
     contact(
         name="reaction-twice",
-        sentence="The reaction is added twice.",
+        sentence="The reaction force is added twice.",
         on=("bounce",),
         sees=("momentum", "total"),
         inside=of_parts(reaction=lambda force: vec.times(-2.0, force)),
@@ -198,16 +206,14 @@ FAULTS = (
     ),
     contact(
         name="normal-not-unit",
-        sentence=(
-            "The normal is a tenth too long: it was divided by something else than its length."
-        ),
+        sentence=("The normal is 10 % too long: it was not divided by its length."),
         on=("knock",),
         sees=("error", "v1.x"),
         inside=of_results(normal_force=scaled(1.1)),
     ),
     contact(
         name="normal-of-the-step-before",
-        sentence="The normal is that of the step before (Vyas).",
+        sentence="The normal is that of the previous step (Vyas).",
         on=("scrape",),
         levels=6,
         sees=("order", "state"),
@@ -222,7 +228,9 @@ FAULTS = (
     ),
     contact(
         name="spring-late",
-        sentence="The tangential spring stretches by the slip of the step before (Lethe 300).",
+        sentence=(
+            "The tangential spring is stretched by the slip of the previous step (Lethe 300)."
+        ),
         on=("sticker",),
         levels=6,
         sees=("order", "state"),
@@ -231,7 +239,8 @@ FAULTS = (
     contact(
         name="spring-stiffness-of-the-normal",
         sentence=(
-            "The tangential spring has the stiffness of the normal one, and so a tighter limit."
+            "The tangential spring has the stiffness of the normal one, so that Coulomb's limit"
+            " is reached earlier."
         ),
         on=("bristle",),
         levels=4,
@@ -240,7 +249,7 @@ FAULTS = (
     ),
     contact(
         name="spring-not-turned",
-        sentence="The tangential spring does not turn with the contact.",
+        sentence="The tangential spring is not rotated with the contact.",
         on=("soft",),
         levels=6,
         sees=("error", "v1.x"),

@@ -26,7 +26,7 @@ def _three_halves(fluid: Any, t: Any, d: Any, relative: Any) -> Any:
 FAULTS = (
     drag(
         name="drag-without-half",
-        sentence="The factor 1/2 of rho C_d A / 2 is taken twice.",
+        sentence="The factor 1/2 of rho C_d A / 2 is applied twice.",
         on=("falling", "thrown"),
         before=of_elements(Drag, coefficient=scaled(0.5)),
     ),
@@ -39,7 +39,7 @@ FAULTS = (
     ),
     drag(
         name="drag-linear",
-        sentence="The drag is proportional to the velocity and not to its square.",
+        sentence="The drag is proportional to the velocity instead of its square.",
         on=("falling", "thrown"),
         inside=of_force(Drag, lambda _: _linear),
     ),
@@ -51,7 +51,7 @@ FAULTS = (
     ),
     drag(
         name="drag-late",
-        sentence="The drag acts with the velocity of the evaluation before.",
+        sentence="The drag uses the velocity of the previous evaluation.",
         on=("falling",),
         method="rk4",
         sees=("order", "state"),
@@ -59,7 +59,7 @@ FAULTS = (
     ),
     drag(
         name="drag-energy",
-        sentence="The drag takes 10 % more energy than the fluid of the scene.",
+        sentence="The drag dissipates 10 % more energy than that of the scene.",
         on=("falling",),
         sees=("energy", "finest"),
         before=of_elements(Drag, coefficient=scaled(1.1)),

@@ -126,7 +126,7 @@ FAULTS = (
     ),
     energy(
         name="hidden-damping-fourth-order",
-        sentence="A drag that grows with the way since the last evaluation.",
+        sentence="A drag acts that grows with the distance since the last evaluation.",
         method="rk4",
         levels=5,
         sees=("energy", "finest"),
@@ -134,7 +134,7 @@ FAULTS = (
     ),
     energy(
         name="exponent",
-        sentence="The attraction falls with the power 2.001.",
+        sentence="The attraction decreases with the power 2.001 of the distance.",
         on=("orbit",),
         method="suzuki",
         sees=("error", "x"),
@@ -143,14 +143,14 @@ FAULTS = (
     ),
     energy(
         name="exponent-one",
-        sentence="The attraction falls with the power 1.",
+        sentence="The attraction decreases with the power 1 of the distance.",
         on=("orbit",),
         sees=("error", "x"),
         inside=_power(1.0),
     ),
     energy(
         name="softened",
-        sentence="The attraction is softened by 1 % of the distance.",
+        sentence="The attraction is softened at short distance, with a length of 0.01 m.",
         on=("orbit",),
         method="suzuki",
         sees=("error", "y"),
@@ -159,7 +159,7 @@ FAULTS = (
     ),
     energy(
         name="spring-one-sided",
-        sentence="The spring pulls on one side only.",
+        sentence="The spring acts on one side only.",
         sees=("error", "x"),
         inside=of_force(Spring, _one_sided),
     ),
@@ -185,7 +185,7 @@ FAULTS = (
     ),
     energy(
         name="spring-swirls",
-        sentence="The spring pushes sideways a little: no potential has this force.",
+        sentence="The spring has a small transverse force, which has no potential.",
         on=("ellipse",),
         method="suzuki",
         sees=("angular-momentum", "total"),
@@ -200,7 +200,7 @@ FAULTS = (
     ),
     energy(
         name="gravity-per-mass",
-        sentence="The weight is that of a quarter of a kilogram more.",
+        sentence="The weight is that of a mass larger by 0.25 kg.",
         on=("hanging",),
         sees=("error", "x"),
         inside=of_force(UniformGravity, lambda sound: _too_heavy),
@@ -221,21 +221,21 @@ FAULTS = (
     ),
     energy(
         name="attraction-of-two-masses",
-        sentence="gm is multiplied by the reduced mass.",
+        sentence="The parameter gm is multiplied by the reduced mass.",
         on=("orbit",),
         sees=("error", "vx"),
         before=of_elements(CentralField, gm=scaled(0.5)),
     ),
     energy(
         name="speed-limit",
-        sentence="Velocities are cut off at half of what is needed.",
+        sentence="Velocities are limited to half of what the motion needs.",
         on=("ellipse",),
         sees=("error", "vy"),
         inside=of_results(kicked=_clamped),
     ),
     energy(
         name="rest-disturbed",
-        sentence="The contact force is off by one part in 1e9.",
+        sentence="The contact force has a relative error of 1e-9.",
         on=("resting",),
         sees=("rest", "speed"),
         inside=of_results(normal_force=scaled(1 + 1e-9)),

@@ -86,14 +86,14 @@ def _where_force_turns(event: Event, request: Request, run: Trajectory) -> Event
 FAULTS = (
     event(
         name="release-a-step-late",
-        sentence="The end of a contact is reported a step late.",
+        sentence="The end of a contact is reported one step late.",
         on=("bounce", "knock", "hertz"),
         sees=("event-times", "release"),
         after=_each(_step_late),
     ),
     event(
         name="stick-a-step-late",
-        sentence="Sticking is reported a step late.",
+        sentence="Sticking is reported one step late.",
         on=("sticking", "rubbing"),
         sees=("event-times", "stick"),
         after=_each(_step_late),
@@ -107,28 +107,28 @@ FAULTS = (
     ),
     event(
         name="stick-for-slip",
-        sentence="Sticks are reported as slips and slips as sticks.",
+        sentence="Sticking is reported as slipping, and slipping as sticking.",
         on=("sticking",),
         sees=("event-times", "stick"),
         after=_each(_stick_for_slip),
     ),
     event(
         name="contact-that-chatters",
-        sentence="The end of a contact is reported in its middle, and once more where it ends.",
+        sentence="The end of a contact is reported twice: in its middle and at its end.",
         on=("bounce", "knock", "hertz"),
         sees=("event-times", "release"),
         after=_chattering,
     ),
     event(
         name="impact-told-of-another-body",
-        sentence="An impact of two of three balls is reported of the third one.",
+        sentence="An impact between two of three balls is reported for the third one.",
         on=("cradle",),
         sees=("event-times", "contact"),
         after=_each(_of_third_body),
     ),
     event(
         name="impact-told-twice",
-        sentence="The first impact is reported once more in the next step.",
+        sentence="The first impact is reported again in the next step.",
         on=("cradle", "drop"),
         sees=("event-times", "contact"),
         after=_first_twice,
@@ -136,8 +136,8 @@ FAULTS = (
     event(
         name="release-where-the-force-turns",
         sentence=(
-            "The end of a contact, which is that of the overlap, is reported where the dashpot"
-            " begins to pull."
+            "The end of a contact is reported where the force becomes attractive, not where the"
+            " overlap ends."
         ),
         on=("knock",),
         sees=("event-times", "release"),

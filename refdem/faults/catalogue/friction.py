@@ -76,7 +76,7 @@ def _previous_normal(sound: Parts) -> dict[str, Any]:
 FAULTS = (
     friction(
         name="friction-pushes",
-        sentence="Dry friction acts along the velocity.",
+        sentence="Dry friction acts in the direction of the velocity.",
         on=("rubbing",),
         sees=("energy", "dissipation"),
         inside=of_arguments(slider_force=lambda slider, side, speed: (slider, -side, speed)),
@@ -98,35 +98,40 @@ FAULTS = (
     ),
     friction(
         name="friction-half",
-        sentence="Friction is shared by the two bodies, also by the ground.",
+        sentence=(
+            "Friction is halved, as if divided between two bodies, though one of them is the"
+            " ground."
+        ),
         on=("rubbing",),
         sees=("error", "x"),
         before=of_elements(Slider, friction=scaled(0.5)),
     ),
     friction(
         name="friction-sticky",
-        sentence="Static friction is twice the sliding one.",
+        sentence="The static coefficient is twice the sliding one.",
         on=("rubbing",),
         sees=("stop", "stop_time"),
         inside=of_arguments(holds=lambda slider, along: (slider, along / 2)),
     ),
     friction(
         name="friction-creeps",
-        sentence="sgn(0) = 0: friction fades with the speed, and what should stick creeps.",
+        sentence=(
+            "sgn(0) = 0: friction vanishes with the velocity, and a body that should stick creeps."
+        ),
         on=("rubbing",),
         sees=("stop", "creep"),
         inside=_regularised,
     ),
     friction(
         name="friction-transports",
-        sentence="What dry friction holds is transported along the line v = 0.",
+        sentence=("Points of phase space that dry friction should hold move along the line v = 0."),
         on=("rubbing",),
         sees=("stop", "creep"),
         inside=_transported,
     ),
     friction(
         name="contact-friction-pushes",
-        sentence="Friction at the contact drives the slip.",
+        sentence="Friction at the contact acts in the direction of the slip.",
         on=("scrape",),
         sees=("error", "v1.y"),
         inside=of_results(sliding_friction=scaled(-1.0)),
@@ -148,14 +153,14 @@ FAULTS = (
     ),
     friction(
         name="contact-limit-missing",
-        sentence="The tangential spring is not clipped at Coulomb's limit.",
+        sentence="The tangential spring is not limited by Coulomb's law.",
         on=("bristle",),
         sees=("error", "v1.y"),
         before=of_elements(Contact, friction=scaled(1e3)),
     ),
     friction(
         name="contact-limit-per-axis",
-        sentence="The limit ignores the normal force: it is that of the weight.",
+        sentence="Coulomb's limit uses the weight instead of the normal force.",
         on=("bristle",),
         sees=("error", "omega1.z"),
         levels=4,
@@ -163,7 +168,7 @@ FAULTS = (
     ),
     friction(
         name="contact-limit-without-damping",
-        sentence="The limit of friction leaves the dashpot out.",
+        sentence="Coulomb's limit ignores the normal force of the dashpot.",
         on=("scrape",),
         sees=("error", "omega1.z"),
         levels=4,
@@ -171,21 +176,21 @@ FAULTS = (
     ),
     friction(
         name="contact-limit-late",
-        sentence="The limit of friction follows the normal force of the step before.",
+        sentence="Coulomb's limit uses the normal force of the previous step.",
         on=("scrape",),
         sees=("contact-impulse", "cone"),
         inside=_previous_normal,
     ),
     friction(
         name="contact-limit-half-more",
-        sentence="The limit of friction is half as large again as it should be.",
+        sentence="Coulomb's limit is 50 % too large.",
         on=("scrape",),
         sees=("contact-impulse", "cone"),
         before=of_elements(Contact, friction=scaled(1.5)),
     ),
     friction(
         name="contact-friction-viscous",
-        sentence="Friction grows with the slip: viscous for dry.",
+        sentence="Friction is viscous instead of dry: it is proportional to the slip.",
         on=("scrape",),
         sees=("error", "omega1.z"),
         levels=4,
@@ -197,7 +202,7 @@ FAULTS = (
     ),
     friction(
         name="slip-of-the-end",
-        sentence="The tangential spring stretches by the slip at the end of the step.",
+        sentence="The tangential spring is stretched by the slip at the end of the step.",
         on=("sticker",),
         levels=6,
         sees=("order", "state"),
@@ -205,7 +210,9 @@ FAULTS = (
     ),
     friction(
         name="slip-of-spins-alone",
-        sentence="Friction opposes what the spins do at the contact, not the whole slip.",
+        sentence=(
+            "Friction opposes the part of the slip that is due to spins, not the whole slip."
+        ),
         on=("sticker",),
         sees=("error", "omega1.z"),
         levels=5,
@@ -213,7 +220,7 @@ FAULTS = (
     ),
     friction(
         name="spring-forgets",
-        sentence="The tangential spring starts anew in every step.",
+        sentence="The tangential spring is reset in every step.",
         on=("sticker",),
         sees=("error", "omega1.z"),
         levels=6,
@@ -221,7 +228,7 @@ FAULTS = (
     ),
     friction(
         name="spring-slides-at-once",
-        sentence="A spring that sticks slides already at half of Coulomb's limit.",
+        sentence="A tangential spring that sticks starts to slide at half of Coulomb's limit.",
         on=("gripper",),
         sees=("error", "omega1.z"),
         levels=6,
@@ -229,7 +236,7 @@ FAULTS = (
     ),
     friction(
         name="friction-off-by-a-millionth",
-        sentence="The coefficient of friction has lost its digits beyond the sixth.",
+        sentence="The coefficient of friction is rounded to six digits.",
         on=("along-wall",),
         sees=("contact-impulse", "sliding"),
         before=of_elements(Contact, friction=scaled(1 - 1e-6)),

@@ -89,7 +89,7 @@ def _of_sample_before(slopes: Array) -> Array:
 
 
 def in_body_axes(request: Request, run: Trajectory) -> Trajectory:
-    """The derivatives of places and velocities in axes that turn with the body."""
+    """The derivatives of positions and velocities in body axes."""
     to_body = conjugate(run.attitude)
     derivatives = {}
     for key, slopes in run.derivatives.items():
@@ -149,15 +149,14 @@ def _told_before(before: Any, after: Any) -> Any:
 FAULTS = (
     gradient(
         name="gradient-without-impact-time",
-        sentence="The derivative of the impact time is left out.",
+        sentence="The derivative of the impact time is omitted.",
         on=BOUNCING,
         inside=within("tangent", of_parts(time_to_impact=_plain_time, time_left=_plain_rest)),
     ),
     gradient(
         name="gradient-of-unrolled-steps",
         sentence=(
-            "The step that has an impact is differentiated as one whose second part has a length"
-            " of its own."
+            "In a step with an impact, the derivative of the length of its second part is omitted."
         ),
         on=BOUNCING,
         inside=within("tangent", of_parts(time_left=_plain_rest)),
@@ -171,13 +170,13 @@ FAULTS = (
     ),
     gradient(
         name="gradient-of-other-sign",
-        sentence="Every derivative has the other sign.",
+        sentence="Every derivative has the wrong sign.",
         on=(*SMOOTH, *BOUNCING),
         after=of_derivatives(_negative),
     ),
     gradient(
         name="gradient-transposed",
-        sentence="The derivatives by the start are the transposed matrix.",
+        sentence="The matrix of derivatives with respect to the initial state is transposed.",
         on=SMOOTH,
         after=of_derivatives(_transposed),
     ),
@@ -189,31 +188,34 @@ FAULTS = (
     ),
     gradient(
         name="gradient-by-close-differences",
-        sentence="Derivatives are differences over 2^-46 of a number, which rounding spoils.",
+        sentence=(
+            "Derivatives are finite differences over 2^-46 of a number, so that round-off"
+            " dominates."
+        ),
         on=(*SMOOTH, *BOUNCING),
         after=by_differences,
     ),
     gradient(
         name="gradient-by-grams",
-        sentence="Derivatives by the mass are reported per gram.",
+        sentence="Derivatives with respect to the mass are reported per gram.",
         on=SMOOTH,
         after=of_derivatives(of_column("mass", lambda slopes: slopes / 1000.0)),
     ),
     gradient(
         name="gradient-of-swapped-columns",
-        sentence="Derivatives by the mass and by the stiffness are exchanged.",
+        sentence="Derivatives with respect to the mass and to the stiffness are exchanged.",
         on=SMOOTH,
         after=of_derivatives(_of_other_column("scene.bodies.0.mass", "scene.elements.0.stiffness")),
     ),
     gradient(
         name="gradient-stale",
-        sentence="The derivatives by the stiffness are those of the sample before.",
+        sentence="Derivatives with respect to the stiffness are those of the previous sample.",
         on=SMOOTH,
         after=of_derivatives(of_column("stiffness", _of_sample_before)),
     ),
     gradient(
         name="gradient-zero",
-        sentence="Nothing depends on the restitution.",
+        sentence="All derivatives with respect to the restitution are 0.",
         on=BOUNCING,
         after=of_derivatives(of_column("restitution", np.zeros_like)),
     ),

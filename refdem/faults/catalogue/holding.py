@@ -82,14 +82,14 @@ def _braked(request: Request, run: Trajectory) -> Trajectory:
 FAULTS = (
     top(
         name="top-falls-up",
-        sentence="The torque of the weight has the other sign.",
+        sentence="The torque of the weight has the wrong sign.",
         sees=("error", "theta"),
         inside=holding(of_parts(tip_torque=lambda arm, force: vec.cross(force, arm))),
     ),
     top(
         name="top-half-steiner",
         sentence=(
-            "The distance of the centre of mass from the tip counts half in the moments of inertia."
+            "The moments of inertia contain half of the term m s^2 of the parallel axis theorem."
         ),
         sees=("error", "theta"),
         levels=4,
@@ -104,14 +104,16 @@ FAULTS = (
     top(
         name="top-spun-by-its-weight",
         method="suzuki",
-        sentence="A twentieth of the weight turns the top about its own axis.",
+        sentence=(
+            "A torque of 0.05 times the weight times the lever arm acts about the axis of the top."
+        ),
         sees=("top", "L_3"),
         levels=5,
         inside=holding(_spun_by_weight),
     ),
     top(
         name="top-tip-off",
-        sentence="The tip is off by one part in 1e10.",
+        sentence="The tip is displaced by one part in 1e10.",
         sees=("top", "joint"),
         before=of_elements(BallJoint, anchor_a=scaled(HAIR)),
     ),
@@ -129,28 +131,28 @@ FAULTS = (
     ),
     chain(
         name="chain-without-reaction",
-        sentence="The lower rod does not pull the upper bob.",
+        sentence="The lower rod exerts no force on the upper bob.",
         sees=("error", "theta1"),
         levels=4,
         inside=of_parts(reaction=lambda force: vec.ZERO),
     ),
     chain(
         name="chain-three-decimals",
-        sentence="Places and velocities are kept with three decimals from step to step.",
+        sentence="Positions and velocities are rounded to three decimals in every step.",
         on=("chaotic-chain",),
         sees=("lyapunov", "class"),
         inside=of_results(drifted=_printed, kicked=_printed),
     ),
     chain(
         name="chain-reaction-twice",
-        sentence="The lower rod pulls the upper bob twice.",
+        sentence="The lower rod exerts its force on the upper bob twice.",
         sees=("error", "theta1"),
         levels=4,
         inside=of_parts(reaction=lambda force: vec.times(-2.0, force)),
     ),
     coupled(
         name="coupled-without-reaction",
-        sentence="The spring between two bobs pulls one of them only.",
+        sentence="The spring between two bobs acts on one of them only.",
         sees=("error", "theta2"),
         levels=4,
         inside=of_parts(reaction=lambda force: vec.ZERO),
@@ -170,13 +172,13 @@ FAULTS = (
     ),
     hook(
         name="hook-misses",
-        sentence="What passes just within reach is not caught.",
+        sentence="A mass that passes just within reach of the hook is not caught.",
         sees=("error", "x"),
         inside=holding(of_parts(line_caught=lambda *a: 0.0)),
     ),
     hook(
         name="hook-brakes",
-        sentence="What is caught loses 1 % of its speed.",
+        sentence="The mass loses 1 % of its speed when it is caught.",
         sees=("capture", "speed"),
         levels=5,
         after=_braked,
@@ -191,14 +193,14 @@ FAULTS = (
     ),
     string(
         name="string-one-sided",
-        sentence="The string's speed is that of the pendulum's side alone.",
+        sentence="The speed of the string is computed from the side of the pendulum alone.",
         sees=("error", "rdot"),
         inside=holding(of_parts(string_speed=lambda string, out_a, out_b: out_a)),
     ),
     equilibrium(
         name="equilibrium-attracts",
         method="suzuki",
-        sentence="The upper equilibrium attracts: gravity has the other sign.",
+        sentence="The upper equilibrium is stable: gravity has the wrong sign.",
         on=("above",),
         sees=("equilibrium", "departure"),
         before=of_elements(UniformGravity, g=scaled(-1.0)),
@@ -214,7 +216,7 @@ FAULTS = (
     ),
     equilibrium(
         name="equilibrium-repels",
-        sentence="The lower equilibrium repels: gravity has the other sign.",
+        sentence="The lower equilibrium is unstable: gravity has the wrong sign.",
         on=("below",),
         sees=("equilibrium", "bounded"),
         before=of_elements(UniformGravity, g=scaled(-1.0)),

@@ -197,14 +197,14 @@ FAULTS = (
     ),
     impact(
         name="restitution-of-energy",
-        sentence="The restitution is taken for the part of the energy that is left.",
+        sentence="The restitution is used as the ratio of energies instead of velocities.",
         on=("clash",),
         sees=("error", "v2.x"),
         before=of_elements(Contact, restitution=lambda e: e**0.5),
     ),
     impact(
         name="restitution-without-one",
-        sentence="The normal impulse is e in place of 1 + e times what stops the spheres.",
+        sentence="The normal impulse has the factor e instead of 1 + e.",
         on=("clash",),
         sees=("error", "v1.x"),
         inside=_of_impact(
@@ -215,7 +215,7 @@ FAULTS = (
     ),
     impact(
         name="restitution-one-in-a-million",
-        sentence="The restitution is a millionth too large.",
+        sentence="The restitution is too large by one part in 1e6.",
         on=("clash",),
         sees=("error", "v1.x"),
         levels=5,
@@ -223,28 +223,33 @@ FAULTS = (
     ),
     impact(
         name="impact-has-no-way-back",
-        sentence="Every impact takes a billionth of the closing speed, on the way back as well.",
+        sentence=(
+            "Every impact removes one part in 1e9 of the closing speed, also when time is reversed."
+        ),
         on=("elastic", "elastic-cradle", "elastic-drop", "elastic-corner"),
         sees=("reversal", "reversed"),
         inside=_of_impact(normal_impulse=_given_back_but_little),
     ),
     impact(
         name="impact-of-equal-masses",
-        sentence="Both spheres change their velocities alike, as if they had one mass.",
+        sentence=(
+            "Both spheres change their velocities by the same amount, as if their masses were"
+            " equal."
+        ),
         on=("clash",),
         sees=("momentum", "total"),
         inside=_impulse_on_one_kilogram,
     ),
     impact(
         name="impact-without-reaction",
-        sentence="One sphere alone feels the impulse.",
+        sentence="The impulse acts on one sphere only.",
         on=("clash",),
         sees=("momentum", "total"),
         inside=of_parts(reaction=lambda force: vec.ZERO),
     ),
     impact(
         name="impact-by-friction-without-restitution",
-        sentence="Friction is cut at mu m_n c, without the share (1 + e).",
+        sentence="Friction is limited by mu m_n c, without the factor (1 + e).",
         on=("rub",),
         sees=("error", "omega1.x"),
         inside=_of_impact(tangential_impulse=_friction_without_restitution),
@@ -258,7 +263,7 @@ FAULTS = (
     ),
     impact(
         name="impact-friction-always-cut",
-        sentence="Friction has its full size where less of it stops the slip.",
+        sentence="Friction has the full size mu p_n where a smaller impulse stops the slip.",
         on=("grip",),
         sees=("error", "omega1.z"),
         inside=_of_impact(tangential_impulse=_always_cut),
@@ -272,7 +277,9 @@ FAULTS = (
     ),
     impact(
         name="impact-turns-one-sphere",
-        sentence="The tangential effective mass knows how the first sphere turns, not the second.",
+        sentence=(
+            "The tangential effective mass includes the moment of inertia of the first sphere only."
+        ),
         on=("grip",),
         sees=("error", "omega2.x"),
         inside=_of_impact(
@@ -281,63 +288,65 @@ FAULTS = (
     ),
     impact(
         name="impact-of-solid-spheres",
-        sentence="All spheres turn as solid ones: 7/2 in the tangential effective mass.",
+        sentence=(
+            "The tangential effective mass has the factor 7/2 of solid spheres for all spheres."
+        ),
         on=("grip",),
         sees=("error", "omega1.y"),
         inside=_of_impact(tangential_ease=lambda inverse_mass, turn_i, turn_j: 3.5 * inverse_mass),
     ),
     impact(
         name="impact-spin-sign",
-        sentence="The second sphere is spun up the wrong way.",
+        sentence="The spin of the second sphere changes in the wrong direction.",
         on=("rub", "grip"),
         sees=("angular-momentum", "total"),
         inside=_second_turns_back,
     ),
     impact(
         name="impact-spin-of-one",
-        sentence="The second sphere is not spun up.",
+        sentence="The spin of the second sphere does not change.",
         on=("grip",),
         sees=("angular-momentum", "total"),
         inside=every_other("torque_on"),
     ),
     impact(
         name="impact-slip-of-centres",
-        sentence="The slip is that of the centres: spins do not count.",
+        sentence="The slip ignores spins: it is that of the centres.",
         on=("grip",),
         sees=("error", "v1.y"),
         inside=of_arguments(slip=lambda velocity, spin, normal: (velocity, vec.ZERO, normal)),
     ),
     impact(
         name="impact-without-tangential-restitution",
-        sentence="Friction stops the slip where it should reverse a part of it.",
+        sentence="Friction stops the slip where it should reverse part of it.",
         on=("grip",),
         sees=("error", "omega1.x"),
         before=of_elements(Contact, tangential_restitution=scaled(0.0)),
     ),
     impact(
         name="impact-met-twice",
-        sentence="The pair is in the list twice, and both impulses are of the same velocities.",
+        sentence="The pair is in the list twice, and both impulses use the same velocities.",
         on=("clash", "rebound", "break"),
         sees=("rigid-impact", "restitution"),
         inside=within("impacts", of_results(normal_impulse=scaled(2.0))),
     ),
     impact(
         name="impact-never-met",
-        sentence="The spheres go through each other.",
+        sentence="The spheres pass through each other.",
         on=("clash", "rub", "rebound", "break"),
         sees=("rigid-impact", "restitution"),
         inside=_of_impact(meets=lambda closing: False),
     ),
     impact(
         name="impact-below-a-threshold",
-        sentence="Nothing is given back below a speed of 2 m/s.",
+        sentence="The restitution is 0 below a closing speed of 2 m/s.",
         on=("clash", "rebound"),
         sees=("rigid-impact", "restitution"),
         inside=_of_impact(normal_impulse=_resting_below(2.0)),
     ),
     impact(
         name="impact-of-the-larger-sphere",
-        sentence="The spheres meet where their radii are 1 % larger.",
+        sentence="The spheres collide as if their radii were 1 % larger.",
         on=("clash",),
         levels=6,
         sees=("event-times", "contact"),
@@ -345,28 +354,28 @@ FAULTS = (
     ),
     impact(
         name="impact-inertia-of-a-point",
-        sentence="Moments of inertia are a hundredth too large.",
+        sentence="Moments of inertia are 1 % too large.",
         on=("grip", "rub"),
         sees=("error", "omega1.x"),
         before=of_bodies(inertia=scaled(1.01)),
     ),
     impact(
         name="impacts-elastic-after-the-first",
-        sentence="The restitution counts in the first impact alone.",
+        sentence="The restitution is applied in the first impact only.",
         on=("cradle",),
         sees=("error", "v3.x"),
         inside=_elastic_after_the_first,
     ),
     impact(
         name="impacts-of-a-pair-once",
-        sentence="A pair that has met is never looked at again.",
+        sentence="A pair that has collided once is ignored afterwards.",
         on=("cradle",),
         sees=("error", "v1.x"),
         inside=_pairs_met_once,
     ),
     impact(
         name="impacts-at-the-ends-of-steps",
-        sentence="Pairs that meet within a step are struck at its end, in the order of their list.",
+        sentence="Pairs that meet within a step collide at its end, in the order of their list.",
         on=("cradle", "break"),
         sees=("error", "r2.x"),
         levels=8,
@@ -374,35 +383,35 @@ FAULTS = (
     ),
     impact(
         name="corner-impulse-does-not-turn",
-        sentence="The impulse at a corner acts on the centre: the body does not turn.",
+        sentence="The impulse at a corner acts on the centre: the body does not rotate.",
         on=("corner",),
         sees=("error", "omega"),
         inside=_of_impact(corner_torque=lambda arm, impulse: vec.ZERO),
     ),
     impact(
         name="corner-impulse-of-a-point",
-        sentence="The effective mass of a corner is that of the body, as if it could not turn.",
+        sentence=("The effective mass at a corner is that of the body, as if it could not rotate."),
         on=("corner",),
         sees=("error", "vy"),
         inside=_of_impact(corner_ease=lambda inverse_mass, lever, inertia: inverse_mass),
     ),
     impact(
         name="break-normal-is-turned",
-        sentence="The normal of an impact is a thousandth of a radian off the line of centres.",
+        sentence="The normal of an impact is rotated by 0.001 rad from the line of centres.",
         on=("break",),
         sees=("angular-momentum", "total"),
         inside=of_results(away=_turned_a_little),
     ),
     impact(
         name="break-slow-impacts-are-missed",
-        sentence="Pairs that close with less than 3/5 m/s go through each other.",
+        sentence="Pairs with a closing speed below 3/5 m/s pass through each other.",
         on=("break",),
         sees=("error", "v0.x"),
         inside=_of_impact(normal_impulse=_none_if_slow),
     ),
     impact(
         name="bounce-before-the-kick",
-        sentence="The closing speed leaves out the last kick of gravity in the step.",
+        sentence="The closing speed lacks the last change by gravity in the step.",
         on=("drop",),
         sees=("error", "y"),
         levels=6,
@@ -410,21 +419,21 @@ FAULTS = (
     ),
     impact(
         name="bounce-friction-from-weight",
-        sentence="Friction in a bounce is cut by the weight, not by the impulse.",
+        sentence="Friction in a bounce is limited by the weight instead of the normal impulse.",
         on=("drop",),
         sees=("rigid-impact", "friction"),
         inside=_of_impact(tangential_impulse=_friction_from_weight),
     ),
     impact(
         name="bounce-in-thin-air",
-        sentence="Velocities decay a little, as if by the drag of air.",
+        sentence="Velocities decay slowly, as by the drag of air.",
         on=("drop",),
         sees=("momentum", "flights"),
         after=_thin_air,
     ),
     impact(
         name="bounce-below-a-threshold",
-        sentence="A ball that comes with less than 4 m/s stays, and creeps.",
+        sentence="A ball with an impact speed below 4 m/s does not bounce, and creeps.",
         on=("drop",),
         sees=("rigid-impact", "restitution"),
         inside=_of_impact(normal_impulse=_resting_below(4.0)),
@@ -432,7 +441,9 @@ FAULTS = (
     Fault(
         name="restitution-of-energies",
         kind="gas",
-        sentence="Restitution is read as the ratio of energies: velocities keep its square root.",
+        sentence=(
+            "Restitution is read as a ratio of energies, so that velocities keep its square root."
+        ),
         on=("gas",),
         sees=("cooling", "temperature"),
         method="impacts",
@@ -442,7 +453,10 @@ FAULTS = (
     Fault(
         name="spheres-slimmer",
         kind="gas",
-        sentence="Spheres meet when they are nearer than 0.9 of their diameter: some do not meet.",
+        sentence=(
+            "Spheres collide at a distance of 0.9 of their diameter, so that some collisions"
+            " are missed."
+        ),
         on=("gas",),
         sees=("cooling", "collisions"),
         method="impacts",

@@ -58,7 +58,7 @@ FAULTS = (
     ),
     inertia(
         name="inertia-of-a-sphere",
-        sentence="The body is turned as if it were a sphere.",
+        sentence="The body rotates as if it were a sphere.",
         on=("flipper",),
         sees=("flips", "flips"),
         levels=4,
@@ -66,14 +66,14 @@ FAULTS = (
     ),
     inertia(
         name="inertia-of-a-shell",
-        sentence="2/3 m R^2 for 2/5 m R^2.",
+        sentence="The moment of inertia is 2/3 m R^2 instead of 2/5 m R^2.",
         on=("scrape",),
         sees=("error", "omega1.z"),
         before=of_bodies(inertia=lambda j: j * 5 / 3),
     ),
     inertia(
         name="inertia-of-a-disc",
-        sentence="1/2 m R^2 for 2/5 m R^2.",
+        sentence="The moment of inertia is 1/2 m R^2 instead of 2/5 m R^2.",
         on=("spinner",),
         sees=("error", "omega2.z"),
         levels=4,
@@ -81,14 +81,14 @@ FAULTS = (
     ),
     inertia(
         name="inertia-lost",
-        sentence="A sphere's inertia is that of the other sphere.",
+        sentence="Each sphere has the moment of inertia of the other one.",
         on=("spinner",),
         sees=("angular-momentum", "total"),
         before=of_bodies(inertia=lambda j: j[::-1]),
     ),
     inertia(
         name="masses-swapped",
-        sentence="The masses are given to the wrong bodies.",
+        sentence="The masses are assigned to the wrong bodies.",
         on=("knock",),
         sees=("momentum", "total"),
         before=of_bodies(mass=lambda m: m[::-1]),
@@ -102,7 +102,7 @@ FAULTS = (
     ),
     inertia(
         name="mass-lossy",
-        sentence="A model file keeps two digits of the mass (strands 181).",
+        sentence="A model file rounds the mass to two digits (strands 181).",
         on=("oscillator",),
         method="suzuki",
         sees=("error", "x"),
@@ -111,7 +111,7 @@ FAULTS = (
     ),
     inertia(
         name="mass-forgotten",
-        sentence="Acceleration is the force: the mass is forgotten.",
+        sentence="The acceleration equals the force: it is not divided by the mass.",
         on=("oscillator",),
         sees=("error", "v"),
         before=of_bodies(mass=lambda m: m**2),

@@ -85,14 +85,14 @@ def _averaged(sound: Parts) -> dict[str, Any]:
 FAULTS = (
     integrator(
         name="suzuki-coefficient",
-        sentence="A coefficient of the composition is off, though they add up to 1.",
+        sentence="A coefficient of the composition is wrong, though their sum is 1.",
         method="suzuki",
         sees=ORDER,
         inside=of_parts(suzuki=(S4 + 0.02, S4, 1.0 - 4 * S4, S4, S4 - 0.02)),
     ),
     integrator(
         name="suzuki-third-digit",
-        sentence="The outer coefficients are rounded to three digits.",
+        sentence="The outer coefficients of the composition are rounded to three digits.",
         method="suzuki",
         sees=ORDER,
         levels=6,
@@ -100,14 +100,14 @@ FAULTS = (
     ),
     integrator(
         name="suzuki-sign",
-        sentence="The sign of the middle coefficient is wrong (Principia 578).",
+        sentence=("The middle coefficient of the composition has the wrong sign (Principia 578)."),
         method="suzuki",
         sees=("error", "x"),
         inside=of_parts(suzuki=(S4, S4, 4.0 * S4 - 1.0, S4, S4)),
     ),
     integrator(
         name="suzuki-misses",
-        sentence="The coefficients do not quite add up to 1.",
+        sentence="The sum of the coefficients of the composition differs slightly from 1.",
         method="suzuki",
         sees=("error", "v"),
         levels=4,
@@ -115,21 +115,21 @@ FAULTS = (
     ),
     integrator(
         name="rk4-weights",
-        sentence="Two weights of Runge-Kutta are swapped.",
+        sentence="Two weights of the Runge-Kutta method are exchanged.",
         method="rk4",
         sees=ORDER,
         inside=of_parts(rk4_weights=(1 / 3, 1 / 6, 1 / 6, 1 / 3)),
     ),
     integrator(
         name="rk4-weight-typo",
-        sentence="The weights of Runge-Kutta add up to 5/6.",
+        sentence="The sum of the weights of the Runge-Kutta method is 5/6.",
         method="rk4",
         sees=("error", "x"),
         inside=of_parts(rk4_weights=(1 / 6, 1 / 3, 1 / 6, 1 / 6)),
     ),
     integrator(
         name="rk4-node",
-        sentence="The third stage is taken at 1/3, not at 1/2.",
+        sentence="The third stage is evaluated at 1/3 of the step instead of 1/2.",
         method="rk4",
         sees=ORDER,
         on=("orbit",),
@@ -137,7 +137,9 @@ FAULTS = (
     ),
     integrator(
         name="rk4-node-turning",
-        sentence="The third stage is taken at 1/3, not at 1/2, of a body that turns.",
+        sentence=(
+            "The third stage of a rotating body is evaluated at 1/3 of the step instead of 1/2."
+        ),
         method="rk4",
         sees=ORDER,
         on=("tumbler",),
@@ -145,7 +147,7 @@ FAULTS = (
     ),
     integrator(
         name="rk4-weights-turning",
-        sentence="Two weights of Runge-Kutta are swapped for a body that turns.",
+        sentence="Two weights of the Runge-Kutta method are exchanged for a rotating body.",
         method="rk4",
         sees=ORDER,
         on=("tumbler",),
@@ -153,7 +155,7 @@ FAULTS = (
     ),
     integrator(
         name="step-by-a-hair",
-        sentence="Steps are longer than asked by 1e-7 of their length.",
+        sentence="Steps are too long by one part in 1e7.",
         sees=("limit", "state"),
         on=("oscillator", "orbit", "hardening"),
         levels=5,
@@ -161,7 +163,7 @@ FAULTS = (
     ),
     integrator(
         name="stiffness-by-a-hair",
-        sentence="Springs are stiffer than asked by 1e-6.",
+        sentence="Springs are too stiff by one part in 1e6.",
         sees=("limit", "state"),
         on=("oscillator", "hanging"),
         levels=5,
@@ -169,7 +171,7 @@ FAULTS = (
     ),
     integrator(
         name="turning-by-a-hair",
-        sentence="Bodies turn 1e-6 too fast.",
+        sentence="Bodies rotate too fast by one part in 1e6.",
         sees=("limit", "state"),
         on=("tumbler",),
         levels=5,
@@ -177,14 +179,14 @@ FAULTS = (
     ),
     integrator(
         name="rk4-last-stage",
-        sentence="The last stage is taken at the middle.",
+        sentence="The last stage is evaluated at the middle of the step.",
         method="rk4",
         sees=ORDER,
         inside=of_parts(rk4_nodes=(0.5, 0.5, 0.5)),
     ),
     integrator(
         name="one-sided-kick",
-        sentence="One whole kick in place of two halves.",
+        sentence="Each step has one full kick instead of two half kicks.",
         sees=ORDER,
         inside=of_parts(verlet_kicks=(1.0, 0.0)),
     ),
@@ -197,31 +199,31 @@ FAULTS = (
     ),
     integrator(
         name="first-kick-whole",
-        sentence="The first kick of a run is a whole one.",
+        sentence="The first kick of a run is a full one.",
         sees=ORDER,
         inside=_first_kick_twice,
     ),
     integrator(
         name="loads-late",
-        sentence="All forces are those of the step before.",
+        sentence="All forces are those of the previous step.",
         sees=ORDER,
         inside=late("loads"),
     ),
     integrator(
         name="drift-with-old-velocity",
-        sentence="Positions move with the velocity of the step before.",
+        sentence="Positions are advanced with the velocity of the previous step.",
         sees=ORDER,
         inside=_old_velocity,
     ),
     integrator(
         name="kick-reversed",
-        sentence="The second kick has the other sign.",
+        sentence="The second kick has the wrong sign.",
         sees=("error", "v"),
         inside=of_parts(verlet_kicks=(0.5, -0.5)),
     ),
     integrator(
         name="drift-double",
-        sentence="Positions move by two steps.",
+        sentence="Positions are advanced by two steps.",
         sees=("error", "x"),
         inside=of_pace(2.0, "drifted"),
     ),
@@ -236,8 +238,8 @@ FAULTS = (
     integrator(
         name="axis-order",
         sentence=(
-            "The splitting of the free body is not symmetric: one half turn is twice as long,"
-            " another missing."
+            "The splitting of the free body is not symmetric: one half rotation is twice as long,"
+            " and another one is missing."
         ),
         on=("tumbler",),
         sees=ORDER,
@@ -252,7 +254,7 @@ FAULTS = (
     ),
     integrator(
         name="force-at-the-middle",
-        sentence="The force is taken where the bodies were half a drift before.",
+        sentence="The force is evaluated at the positions of half a drift before.",
         sees=ORDER,
         levels=4,
         on=("orbit",),
@@ -260,7 +262,7 @@ FAULTS = (
     ),
     integrator(
         name="reversal-broken",
-        sentence="Each kick rounds towards zero by one part in 1e11.",
+        sentence="Each kick is too small by one part in 1e11.",
         on=("oscillator", "bounce", "hertz", "wedge"),
         sees=("reversal", "reversed"),
         inside=of_results(kicked=scaled(1 - 1e-11)),

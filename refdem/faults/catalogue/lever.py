@@ -18,7 +18,7 @@ def _branch(name: str) -> Any:
 
 
 def _one_lever(sound: Parts) -> dict[str, Any]:
-    """The lever of the first body serves for both (Lethe 300)."""
+    """The lever of the first body is used for both (Lethe 300)."""
     first_lever: Any = None
 
     def lever(radius: Any, depth: Any, shortening: Any) -> Any:
@@ -50,21 +50,21 @@ def _spinless(sound: Parts) -> dict[str, Any]:
 FAULTS = (
     contact(
         name="lever-radius",
-        sentence="Lever arm R where the law says R - d/2.",
+        sentence="The lever arm is R instead of R - d/2.",
         on=("scrape",),
         sees=("angular-momentum", "total"),
         before=_branch("R"),
     ),
     contact(
         name="lever-short",
-        sentence="Lever arm R - d where the law says R - d/2.",
+        sentence="The lever arm is R - d instead of R - d/2.",
         on=("scrape",),
         sees=("angular-momentum", "total"),
         before=_branch("R-d"),
     ),
     contact(
         name="lever-of-the-centres",
-        sentence="Lever arm R - d/2 where the law says R.",
+        sentence="The lever arm is R - d/2 instead of R.",
         on=("scrape-long",),
         sees=("angular-momentum", "law"),
         levels=6,
@@ -72,14 +72,14 @@ FAULTS = (
     ),
     contact(
         name="lever-of-slip-for-torque",
-        sentence="One lever R for both, where the law takes slip at R and torque at R - d/2.",
+        sentence="Slip and torque have the lever arm R; by the law the torque has R - d/2.",
         on=("scrape-two-levers",),
         sees=("angular-momentum", "total"),
         before=_branch("R"),
     ),
     contact(
         name="lever-of-torque-for-slip",
-        sentence="One lever R - d/2 for both, where the law takes slip at R and torque at R - d/2.",
+        sentence="Slip and torque have the lever arm R - d/2; by the law the slip has R.",
         on=("hold-two-levers",),
         sees=("error", "omega1.z"),
         levels=6,
@@ -87,35 +87,35 @@ FAULTS = (
     ),
     contact(
         name="lever-of-one",
-        sentence="The lever arm of one body for both (Lethe 300).",
+        sentence="The lever arm of one body is used for both (Lethe 300).",
         on=("scrape",),
         sees=("angular-momentum", "total"),
         inside=_one_lever,
     ),
     contact(
         name="torque-on-one",
-        sentence="Only one body gets a torque.",
+        sentence="The torque acts on one body only.",
         on=("scrape",),
         sees=("angular-momentum", "total"),
         inside=every_other("torque_on"),
     ),
     contact(
         name="torque-sign",
-        sentence="The torque turns the other way.",
+        sentence="The torque has the wrong sign.",
         on=("scrape",),
         sees=("angular-momentum", "total"),
         inside=of_results(torque_on=scaled(-1.0)),
     ),
     contact(
         name="slip-without-spin",
-        sentence="Slip is that of the centres: spins are forgotten.",
+        sentence="The slip ignores spins: it is that of the centres.",
         on=("spinner",),
         sees=("error", "omega2.z"),
         inside=_spinless,
     ),
     contact(
         name="slip-spin-sign",
-        sentence="Spins enter the slip with the other sign (Lethe 889).",
+        sentence="Spins enter the slip with the wrong sign (Lethe 889).",
         on=("spinner",),
         sees=("error", "omega2.z"),
         inside=of_arguments(

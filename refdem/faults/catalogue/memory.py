@@ -100,7 +100,7 @@ def _forwards(request: Request, run: Trajectory) -> Trajectory:
 
 
 def _first_kick(argument: str) -> Callable[[Parts], dict[str, Any]]:
-    """An argument of the first kick ever made, `mass` or `h`, serves for all kicks of all runs."""
+    """An argument of the first kick ever made, `mass` or `h`, is used in all kicks of all runs."""
 
     def inside(sound: Parts) -> dict[str, Any]:
         cache: dict[str, Any] = {}
@@ -118,40 +118,40 @@ def _first_kick(argument: str) -> Callable[[Parts], dict[str, Any]]:
 FAULTS = (
     memory(
         name="never-set",
-        sentence="A force has a part of 1e-13 N that was never set.",
+        sentence="A force has a component of up to 1e-13 N from uninitialised memory.",
         sees=AGAIN,
         inside=_differs_from_run_to_run(1e-13),
     ),
     memory(
         name="never-set-large",
-        sentence="A force has a part of 1e-3 N that was never set.",
+        sentence="A force has a component of up to 1e-3 N from uninitialised memory.",
         on=("orbit",),
         sees=AGAIN,
         inside=_differs_from_run_to_run(1e-3),
     ),
     memory(
         name="never-set-contact",
-        sentence="A contact force has a part of 1e-12 N that was never set.",
+        sentence="A contact force has a component of up to 1e-12 N from uninitialised memory.",
         on=("knock",),
         sees=AGAIN,
         inside=_differs_from_run_to_run(1e-12),
     ),
     memory(
         name="spring-kept",
-        sentence="The tangential spring is kept from run to run.",
+        sentence="The tangential spring is not reset between runs.",
         on=("sticker",),
         sees=AGAIN,
         inside=_kept_spring,
     ),
     memory(
         name="force-kept",
-        sentence="The first force of a run is the last one of the run before.",
+        sentence="The first force of a run is the last one of the previous run.",
         sees=AGAIN,
         inside=_kept_force,
     ),
     memory(
         name="step-kept",
-        sentence="Half of the first step of the first run is used in all kicks.",
+        sentence="All kicks of all runs use half of the first step of the first run.",
         sees=("error", "x"),
         inside=_first_kick("h"),
     ),
@@ -164,7 +164,7 @@ FAULTS = (
     ),
     memory(
         name="backwards-forwards",
-        sentence="Time that runs backwards is taken for time that runs forwards.",
+        sentence="A run backward in time is made forward in time.",
         sees=("reversal", "backward"),
         after=_forwards,
     ),

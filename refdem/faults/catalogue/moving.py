@@ -75,15 +75,17 @@ def _flown_further(request: Request, run: Trajectory) -> Trajectory:
 
 
 FAULTS = (
-    moving(name="frozen", sentence="Nothing moves: every row is the start.", after=frozen),
+    moving(
+        name="frozen", sentence="Nothing moves: every row repeats the initial state.", after=frozen
+    ),
     moving(
         name="one-per-cent",
-        sentence="Every way from the start is a per cent too long.",
+        sentence="Every displacement from the start is 1 % too large.",
         after=one_per_cent,
     ),
     moving(
         name="flown-further",
-        sentence="Places are a per cent further than velocities take them.",
+        sentence="Displacements are 1 % larger than the integral of the velocities.",
         on=("bounce",),
         sees=("flight", "way"),
         after=_flown_further,

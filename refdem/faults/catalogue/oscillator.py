@@ -30,9 +30,7 @@ def _per_mass(request: Request) -> Request:
 
 
 def _restarted(request: Request) -> Request:
-    """Forces count time from the first sample: cos(w (t - t0) + phase), which is wanted as
-    cos(w t + phase).
-    """
+    """Forces count time from the start t0: cos(w (t - t0) + phase) instead of cos(w t + phase)."""
     start = float(request.problem.times[0])
     scene = request.problem.scene
     elements = list(scene.elements)
@@ -44,7 +42,9 @@ def _restarted(request: Request) -> Request:
 
 
 def _stays(request: Request, run: Trajectory) -> Trajectory:
-    """The motion goes on at the frequency of the drive, in the amplitude and phase of the start."""
+    """The motion continues at the frequency of the drive, with the amplitude and phase of the
+    initial state.
+    """
     (force,) = request.problem.scene.all(Force)
     w = force.frequency
     x0 = run.position[0, 0, 0]
@@ -89,14 +89,16 @@ def _within_512_metres(place: Any) -> Any:
 FAULTS = (
     oscillator(
         name="damping-drives",
-        sentence="The dashpot pushes along the velocity.",
+        sentence="The force of the dashpot acts in the direction of the velocity.",
         on=("viscous",),
         sees=("energy", "balance"),
         before=of_elements(Dashpot, damping=scaled(-1.0)),
     ),
     oscillator(
         name="damping-delta-for-b",
-        sentence="delta is taken for b/m: half of the damping is missing.",
+        sentence=(
+            "The parameter delta is used as b/m instead of b/(2 m): half of the damping is missing."
+        ),
         on=("viscous",),
         before=of_elements(Dashpot, damping=scaled(0.5)),
     ),
@@ -109,7 +111,7 @@ FAULTS = (
     ),
     oscillator(
         name="dashpot-late",
-        sentence="The dashpot acts with the velocity of the evaluation before.",
+        sentence="The dashpot uses the velocity of the previous evaluation.",
         on=("viscous",),
         method="rk4",
         sees=("order", "state"),
@@ -117,7 +119,10 @@ FAULTS = (
     ),
     oscillator(
         name="dashpot-late-unproved",
-        sentence="The same where nothing is certified.",
+        sentence=(
+            "The dashpot uses the velocity of the previous evaluation, in a motion without"
+            " certified values."
+        ),
         on=("unproved",),
         method="rk4",
         sees=("convergence", "state"),
@@ -125,32 +130,32 @@ FAULTS = (
     ),
     oscillator(
         name="drive-per-mass",
-        sentence="The amplitude of the force is taken for an acceleration.",
+        sentence="The amplitude of the force is used as an acceleration.",
         on=("driven",),
         before=_per_mass,
     ),
     oscillator(
         name="drive-sine",
-        sentence="The force is a sine in place of a cosine.",
+        sentence="The drive is a sine instead of a cosine.",
         on=("driven",),
         before=of_elements(Force, phase=lambda phase: phase - pi / 2),
     ),
     oscillator(
         name="drive-in-hertz",
-        sentence="The angular frequency of the force is taken for a frequency in hertz.",
+        sentence="The angular frequency of the drive is used as a frequency in hertz.",
         on=("driven",),
         before=of_elements(Force, frequency=scaled(2 * pi)),
     ),
     oscillator(
         name="drive-restarts",
-        sentence="The force counts its time from the start of the run.",
+        sentence="The time of the drive is counted from the start of the run.",
         on=("driven",),
         sees=("symmetry", "delayed"),
         before=_restarted,
     ),
     oscillator(
         name="drive-late",
-        sentence="The force is that of the evaluation before.",
+        sentence="The drive is that of the previous evaluation.",
         on=("driven",),
         sees=("order", "state"),
         inside=late_force(Force),
@@ -163,20 +168,20 @@ FAULTS = (
     ),
     oscillator(
         name="cube-potential",
-        sentence="The cube has the factor 1/4 of its potential.",
+        sentence="The cubic term has the factor 1/4 of its potential.",
         on=("hardening",),
         before=of_elements(Spring, cubic=scaled(0.25)),
     ),
     oscillator(
         name="response-stays",
-        sentence="The response stays beside the middle amplitude, as harmonic balance has it.",
+        sentence="The motion stays near the middle one of three amplitudes, which is unstable.",
         on=("middle",),
         method="rk4",
         after=_stays,
     ),
     oscillator(
         name="third-harmonic-sign",
-        sentence="The cube of the stretch acts the other way, and turns the third harmonic round.",
+        sentence="The cubic term has the wrong sign, and so has the third harmonic.",
         on=("tripling",),
         levels=5,
         sees=("spectrum", "3w"),
@@ -184,7 +189,7 @@ FAULTS = (
     ),
     oscillator(
         name="third-harmonic-twice",
-        sentence="The cube of the stretch acts twice as strongly, as does the line that it makes.",
+        sentence="The cubic term, and with it its spectral line, is twice as large.",
         on=("tripling",),
         levels=5,
         sees=("spectrum", "3w"),
@@ -192,7 +197,7 @@ FAULTS = (
     ),
     oscillator(
         name="third-harmonic-one-percent",
-        sentence="The cube of the stretch is 1 % too strong.",
+        sentence="The cubic term is 1 % too large.",
         on=("tripling",),
         levels=5,
         sees=("spectrum", "3w"),
@@ -200,13 +205,13 @@ FAULTS = (
     ),
     oscillator(
         name="square-odd",
-        sentence="The square of the stretch has the sign of the stretch.",
+        sentence="The quadratic term is s |s| instead of s^2.",
         on=("lopsided",),
         inside=of_force(Spring, _odd_square),
     ),
     oscillator(
         name="square-of-one-sign",
-        sentence="The factor of the square is taken for its size.",
+        sentence="The coefficient of the quadratic term is replaced by its absolute value.",
         on=("lopsided-down",),
         before=of_elements(Spring, quadratic=abs),
     ),
@@ -219,14 +224,14 @@ FAULTS = (
     ),
     oscillator(
         name="square-twice",
-        sentence="The square of the stretch acts twice as strongly, as do the lines it makes.",
+        sentence="The quadratic term, and with it its spectral lines, is twice as large.",
         on=("mixing",),
         sees=("spectrum", "2w1"),
         before=of_elements(Spring, quadratic=scaled(2.0)),
     ),
     oscillator(
         name="square-one-percent",
-        sentence="The square of the stretch is 1 % too strong.",
+        sentence="The quadratic term is 1 % too large.",
         on=("mixing",),
         levels=5,
         sees=("spectrum", "w2-w1"),
@@ -234,20 +239,22 @@ FAULTS = (
     ),
     oscillator(
         name="drives-overwritten",
-        sentence="Of two forces on one body the last one alone acts.",
+        sentence="Of two drives of one body only the last one acts.",
         on=("mixing",),
         sees=("spectrum", "w1+w2"),
         before=_last_force,
     ),
     oscillator(
         name="drive-without-phase",
-        sentence="The phase of a force is left out.",
+        sentence="The phase of the drive is omitted.",
         on=("cycle",),
         before=of_elements(Force, phase=lambda _: 0.0),
     ),
     oscillator(
         name="difference-line-turned",
-        sentence="The phase of a force is left out, which turns the line at 2w-wd that it makes.",
+        sentence=(
+            "The phase of the drive is omitted, which changes the phase of the line at 2w-wd."
+        ),
         on=("cycle-and-drive",),
         levels=5,
         sees=("spectrum", "2w-wd"),
@@ -255,7 +262,10 @@ FAULTS = (
     ),
     oscillator(
         name="difference-line-weaker",
-        sentence="A force is half as strong, which the line at 3w-2wd, of its square, shows.",
+        sentence=(
+            "The drive is half as large, which changes the line at 3w-2wd, proportional to"
+            " its square."
+        ),
         on=("cycle-and-drive",),
         method="rk4",
         levels=5,
@@ -264,25 +274,25 @@ FAULTS = (
     ),
     oscillator(
         name="small-world",
-        sentence="No place is further than 512 m from the origin.",
+        sentence="Positions are limited to 512 m from the origin.",
         on=("far",),
         inside=of_results(drifted=_within_512_metres),
     ),
     oscillator(
         name="power-truncated",
-        sentence="The power of the stretch is cut to a whole number.",
+        sentence="The exponent of the stretch is truncated to an integer.",
         on=("steep",),
         before=of_elements(Spring, exponent=lambda n: float(n // 1)),
     ),
     oscillator(
         name="nonlinearity-half",
-        sentence="Half of the damping that grows with the place is missing.",
+        sentence="Half of the damping that depends on the position is missing.",
         on=("cycle",),
         before=of_elements(Dashpot, van_der_pol=scaled(0.5)),
     ),
     oscillator(
         name="nonlinearity-one-percent",
-        sentence="mu is 1 % too large.",
+        sentence="The parameter mu is 1 % too large.",
         on=("cycle",),
         levels=5,
         before=of_elements(Dashpot, damping=scaled(1.01), van_der_pol=scaled(1.01)),

@@ -32,21 +32,21 @@ def _squeezed(x: float, v: float, square: float, delta: float, t: float) -> Any:
 FAULTS = (
     carried(
         name="point-left-behind",
-        sentence="One point of an outline is not carried with the others.",
+        sentence="One point of the outline does not move.",
         on=("head",),
         sees=AREA,
         after=_left_behind,
     ),
     carried(
         name="hidden-damping-of-volume",
-        sentence="A flow that should keep phase space volume loses a little of it.",
+        sentence="A flow that should conserve phase-space volume slowly reduces it.",
         on=("head",),
         sees=AREA,
         inside=of_parts(flow=_squeezed),
     ),
     carried(
         name="volume-shrinks-half-as-fast",
-        sentence="The volume falls as exp(-delta t), not exp(-2 delta t).",
+        sentence="The phase-space volume decays as exp(-delta t) instead of exp(-2 delta t).",
         on=("wet-head",),
         sees=AREA,
         inside=of_parts(

@@ -112,26 +112,26 @@ def _touched(state: Any) -> Any:
 FAULTS = (
     output(
         name="step-late",
-        sentence="Every sample is a step late.",
+        sentence="Every sample is one step late.",
         sees=("order", "state"),
         after=_step_late,
     ),
     output(
         name="sample-late",
-        sentence="Every row is the one before.",
+        sentence="Every row is the previous one.",
         sees=("error", "x"),
         after=of_columns(position=_sample_late, velocity=_sample_late),
     ),
     output(
         name="position-late",
-        sentence="Positions are written a row late, velocities are not.",
+        sentence="Positions are written one row late, velocities are not.",
         on=("orbit",),
         sees=("error", "x"),
         after=of_columns(position=_sample_late),
     ),
     output(
         name="half-step-velocity",
-        sentence="Velocities are those of half a step before (leapfrog).",
+        sentence="Velocities are those of half a step earlier (leapfrog).",
         sees=("error", "v"),
         after=_half_step_velocity,
     ),
@@ -145,13 +145,13 @@ FAULTS = (
     ),
     output(
         name="clock-off",
-        sentence="The time column runs fast by one part in a million.",
+        sentence="The time column is too large by one part in 1e6.",
         sees=TRAJECTORY,
         after=_drawn_out,
     ),
     output(
         name="clock-added-up",
-        sentence="The time column is added up in single precision.",
+        sentence="The time column is summed in single precision.",
         sees=TRAJECTORY,
         inside=of_results(clock=lambda found: float(np.float32(found) + np.float32(1e-7))),
     ),
@@ -161,7 +161,7 @@ FAULTS = (
     ),
     output(
         name="output-changes-state",
-        sentence="Asking for output changes the trajectory (LAMMPS 1631).",
+        sentence="Writing output changes the trajectory (LAMMPS 1631).",
         sees=("determinism", "output-rate"),
         inside=of_parts(output=_touched),
     ),
@@ -188,27 +188,27 @@ FAULTS = (
     ),
     output(
         name="frozen-end",
-        sentence="After three quarters of the run the same row is written again and again.",
+        sentence="After three quarters of the run, the same row is repeated.",
         sees=("error", "x"),
         after=of_columns(position=_frozen_end),
     ),
     output(
         name="axes-swapped",
-        sentence="y and z are swapped in the output.",
+        sentence="y and z are exchanged in the output.",
         on=("orbit",),
         sees=("error", "y"),
         after=of_columns(position=lambda r: r[..., [0, 2, 1]]),
     ),
     output(
         name="mirrored",
-        sentence="x has the other sign in the output.",
+        sentence="x has the wrong sign in the output.",
         on=("swing",),
         sees=("error", "theta"),
         after=of_columns(position=lambda r: r * [-1, 1, 1], velocity=lambda v: v * [-1, 1, 1]),
     ),
     output(
         name="velocity-column-of-position",
-        sentence="Velocities are differences of positions.",
+        sentence="Velocities are finite differences of positions.",
         sees=("error", "v"),
         after=lambda request, run: replace(run, velocity=_rate(run, "position")),
     ),
@@ -220,14 +220,16 @@ FAULTS = (
     ),
     output(
         name="momentum-for-velocity",
-        sentence="Momentum is written for velocity.",
+        sentence="Momenta are written instead of velocities.",
         on=("knock",),
         sees=("momentum", "total"),
         after=_momentum,
     ),
     output(
         name="end-from-file",
-        sentence="What goes on from an end state starts somewhere else.",
+        sentence=(
+            "A run that continues another one starts from velocities rounded to eight decimals."
+        ),
         sees=("reversal", "reversed"),
         before=_from_file,
     ),
@@ -240,23 +242,21 @@ FAULTS = (
     ),
     output(
         name="bodies-swapped",
-        sentence="The rows of two bodies are swapped.",
+        sentence="The rows of two bodies are exchanged.",
         on=("knock",),
         sees=("error", "r1.x"),
         after=of_columns(position=lambda r: r[:, ::-1], velocity=lambda v: v[:, ::-1]),
     ),
     output(
         name="body-twice",
-        sentence="The second body's row repeats the first's.",
+        sentence="The row of the second body repeats that of the first.",
         on=("bounce",),
         sees=("momentum", "total"),
         after=of_columns(velocity=lambda v: v[:, [0, 0]]),
     ),
     output(
         name="sorted",
-        sentence=(
-            "Bodies are written in order of x, so that they change numbers when sorted by speed."
-        ),
+        sentence=("Bodies are sorted by velocity, so that their numbers change."),
         on=("knock",),
         sees=("error", "v2.x"),
         after=of_columns(velocity=_sorted_by_velocity),

@@ -1,5 +1,5 @@
 """Forces of place and orientation: Hertz's power and its factors, the flanks of a field, a law that
-looks at the velocity.
+depends on the velocity.
 """
 
 from functools import partial
@@ -35,14 +35,14 @@ FAULTS = (
     ),
     positional(
         name="hertz-factor",
-        sentence="A factor 4/3 of Hertz's stiffness counts twice.",
+        sentence="The factor 4/3 of Hertz's stiffness is applied twice.",
         on=("hertz",),
         sees=("error", "v"),
         before=of_elements(Contact, stiffness=scaled(4 / 3)),
     ),
     positional(
         name="field-one-slope",
-        sentence="The force falls as steeply as it rises.",
+        sentence="The force decreases with the slope with which it increases.",
         on=("tent",),
         sees=("energy-return", "gain"),
         levels=5,
@@ -59,7 +59,7 @@ FAULTS = (
     positional(
         name="wedge-by-sign",
         sentence=(
-            "Approach and separation are told apart by the sign of the velocity, not by the"
+            "Approach and separation are distinguished by the sign of the velocity instead of the"
             " orientation."
         ),
         on=("wedge",),

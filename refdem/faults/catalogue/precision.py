@@ -112,7 +112,7 @@ FAULTS = (
     ),
     precision(
         name="gravity-truncated",
-        sentence="9.81 for 9.8125 m/s^2.",
+        sentence="Gravity is 9.81 m/s^2 instead of 9.8125 m/s^2.",
         on=("hanging",),
         method="suzuki",
         levels=6,
@@ -121,7 +121,7 @@ FAULTS = (
     ),
     precision(
         name="masses-five-digits",
-        sentence="Masses are read with five digits.",
+        sentence="Masses are rounded to five digits when read.",
         on=("oscillator",),
         method="suzuki",
         levels=6,
@@ -130,7 +130,7 @@ FAULTS = (
     ),
     precision(
         name="sine-table",
-        sentence="Sine and cosine come from a table.",
+        sentence="Sine and cosine are taken from a table.",
         on=("tumbler",),
         sees=("error", "attitude"),
         levels=6,
@@ -138,14 +138,14 @@ FAULTS = (
     ),
     precision(
         name="fixed-point",
-        sentence="Positions are kept with ten decimals.",
+        sentence="Positions are rounded to ten decimals.",
         on=("circler",),
         sees=("constraint", "length"),
         inside=of_results(drifted=_fixed_point),
     ),
     precision(
         name="normalised-loosely",
-        sentence="Attitudes are normalised when they are off by 1e-6 only.",
+        sentence="Attitudes are normalised only when their norm differs from 1 by 1e-6.",
         on=("tumbler",),
         method="rk4",
         sees=("quaternion-norm", "norm"),

@@ -36,14 +36,14 @@ def _resisted(along: Any, inverse_mass: Any, turn: Any) -> Any:
 FAULTS = (
     roll(
         name="rolling-wrong-inertia",
-        sentence="Moments of inertia are a hundredth too large.",
+        sentence="Moments of inertia are 1 % too large.",
         on=("skid", "ramp"),
         sees=("contact-line", "moment"),
         before=of_bodies(inertia=scaled(1.01)),
     ),
     roll(
         name="rolling-inertia-of-the-diameter",
-        sentence="Moments of inertia are made with the diameter in place of the radius.",
+        sentence="Moments of inertia are computed with the diameter instead of the radius.",
         on=("skid", "ramp"),
         sees=("error", "omega"),
         before=of_bodies(inertia=scaled(4.0)),
@@ -57,28 +57,32 @@ FAULTS = (
     ),
     roll(
         name="rolling-lever-one-in-a-thousand",
-        sentence="The lever arm of friction is shorter than the radius by a thousandth.",
+        sentence=(
+            "The lever arm of friction is shorter than the radius by one part in a thousand."
+        ),
         on=("skid", "ramp"),
         sees=("error", "omega"),
         inside=of_arguments(torque_on=lambda arm, normal, force: (0.999 * arm, normal, force)),
     ),
     roll(
         name="rolling-without-spin-up",
-        sentence="Friction brakes the centre and does not turn the body.",
+        sentence="Friction decelerates the centre, but exerts no torque.",
         on=("skid", "ramp", "chute"),
         sees=("contact-line", "moment"),
         inside=of_parts(torque_on=lambda arm, normal, force: vec.ZERO),
     ),
     roll(
         name="rolling-spins-backwards",
-        sentence="Friction turns the body the wrong way.",
+        sentence="The torque of friction has the wrong sign.",
         on=("skid", "chute"),
         sees=("contact-line", "moment"),
         inside=of_results(torque_on=scaled(-1.0)),
     ),
     roll(
         name="rolling-friction-against-the-centre",
-        sentence="Friction acts against the velocity of the centre, not of the point that touches.",
+        sentence=(
+            "Friction opposes the velocity of the centre instead of that of the point of contact."
+        ),
         on=("skid",),
         levels=4,
         sees=("error", "vx"),
@@ -86,21 +90,21 @@ FAULTS = (
     ),
     roll(
         name="rolling-friction-without-end",
-        sentence="Friction of full size goes on where the slip has ended.",
+        sentence="Friction keeps its full size after the slip has ended.",
         on=("skid", "ramp"),
         sees=("error", "vx"),
         inside=_of_rolling(slips_on=lambda slip, direction: 1.0),
     ),
     roll(
         name="rolling-friction-of-the-weight",
-        sentence="Friction is mu times the weight, not times the part of it that presses.",
+        sentence="Friction is mu times the weight instead of mu times the normal force.",
         on=("chute",),
         sees=("error", "vx"),
         inside=_of_rolling(pressing=lambda force, normal: vec.size(force)),
     ),
     roll(
         name="rolling-slides-down",
-        sentence="A body that rolls falls down the slope as a block without friction.",
+        sentence="A rolling body accelerates down the slope like a block without friction.",
         on=("ramp",),
         sees=("error", "vx"),
         inside=_of_rolling(holding=lambda along, inverse_mass, turn: vec.ZERO),
@@ -114,14 +118,14 @@ FAULTS = (
     ),
     roll(
         name="rolling-friction-one-in-ten-thousand",
-        sentence="The coefficient of friction is a ten-thousandth too large.",
+        sentence="The coefficient of friction is too large by one part in 1e4.",
         on=("skid", "chute"),
         sees=("error", "omega"),
         before=of_elements(Contact, friction=scaled(1 + 1e-4)),
     ),
     roll(
         name="rolling-below-a-threshold",
-        sentence="A slip of less than 1/16 m/s counts as none.",
+        sentence="A slip velocity below 1/16 m/s counts as zero.",
         on=("skid",),
         levels=6,
         sees=("event-times", "stick"),
@@ -129,7 +133,9 @@ FAULTS = (
     ),
     roll(
         name="rolling-held-too-much",
-        sentence="Friction on a body that rolls is larger by a thousandth than rolling needs.",
+        sentence=(
+            "Friction on a rolling body exceeds what rolling requires by one part in a thousand."
+        ),
         on=("ramp",),
         sees=("error", "vx"),
         inside=_of_rolling(holding=_resisted),

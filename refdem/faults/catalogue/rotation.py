@@ -87,7 +87,7 @@ FAULTS = (
     ),
     rotation(
         name="no-gyroscopic-term-first-order",
-        sentence="The gyroscopic term is missing in a method of order 1.",
+        sentence="The gyroscopic term is missing in a first-order method.",
         on=("tumbler",),
         method="euler",
         sees=OMEGA,
@@ -95,7 +95,7 @@ FAULTS = (
     ),
     rotation(
         name="gyroscopic-sign",
-        sentence="The gyroscopic term has the other sign.",
+        sentence="The gyroscopic term has the wrong sign.",
         on=("tumbler",),
         method="rk4",
         sees=OMEGA,
@@ -103,7 +103,7 @@ FAULTS = (
     ),
     rotation(
         name="gyroscopic-half",
-        sentence="The gyroscopic term is half as large.",
+        sentence="The gyroscopic term is halved.",
         on=("tumbler",),
         method="rk4",
         sees=("error", "omega_body.y"),
@@ -111,7 +111,7 @@ FAULTS = (
     ),
     rotation(
         name="gyroscopic-late",
-        sentence="The gyroscopic term is that of the stage before: explicit where it must not be.",
+        sentence="The gyroscopic term is that of the previous stage, and so explicit.",
         on=("tumbler",),
         method="rk4",
         sees=("order", "state"),
@@ -119,7 +119,7 @@ FAULTS = (
     ),
     rotation(
         name="gyroscopic-never-flips",
-        sentence="Without the gyroscopic term nothing turns over.",
+        sentence="The gyroscopic term is missing, so that the body does not turn over.",
         on=("flipper",),
         method="rk4",
         sees=("flips", "flips"),
@@ -128,7 +128,7 @@ FAULTS = (
     ),
     rotation(
         name="gyroscopic-axis",
-        sentence="A tenth of the gyroscopic torque is about the next axis.",
+        sentence="One tenth of the gyroscopic torque acts about the next axis.",
         on=("tumbler",),
         method="rk4",
         sees=("energy", "finest"),
@@ -144,7 +144,10 @@ FAULTS = (
     ),
     rotation(
         name="turn-side",
-        sentence="omega in body axes turns the quaternion from the side of space.",
+        sentence=(
+            "omega in body axes multiplies the quaternion from the left, as omega in space"
+            " axes would."
+        ),
         on=("tumbler",),
         method="rk4",
         sees=TURN,
@@ -152,7 +155,7 @@ FAULTS = (
     ),
     rotation(
         name="turn-left-handed",
-        sentence="The quaternion product is left-handed.",
+        sentence="The quaternion product is that of left-handed axes.",
         on=("tumbler",),
         method="rk4",
         sees=TURN,
@@ -160,7 +163,7 @@ FAULTS = (
     ),
     rotation(
         name="turn-without-half",
-        sentence="q' = q omega without the factor 1/2.",
+        sentence="The rate of the quaternion is q omega, without the factor 1/2.",
         on=("tumbler",),
         method="rk4",
         sees=TURN,
@@ -168,35 +171,35 @@ FAULTS = (
     ),
     rotation(
         name="turn-half-angle",
-        sentence="The quaternion turns by half the angle.",
+        sentence="The quaternion rotates by half the angle.",
         on=("tumbler",),
         sees=TURN,
         inside=_half_turn,
     ),
     rotation(
         name="turn-axis-2-back",
-        sentence="One of three rotations goes the wrong way.",
+        sentence="One of three rotations has the wrong sense.",
         on=("tumbler",),
         sees=OMEGA,
         inside=of_arguments(axis_turn=_back_about_second),
     ),
     rotation(
         name="start-omega-as-body",
-        sentence="omega in space axes is taken for omega in body axes.",
+        sentence="omega in space axes is used as omega in body axes.",
         on=("tumbler",),
         sees=OMEGA,
         inside=of_parts(to_body=lambda q, a: a),
     ),
     rotation(
         name="out-omega-body",
-        sentence="omega in body axes is written for omega in space axes.",
+        sentence="omega is written in body axes instead of space axes.",
         on=("tumbler",),
         sees=("error", "omega.x"),
         after=_omega_in_body_axes,
     ),
     rotation(
         name="out-omega-body-inside",
-        sentence="omega goes from body to space by the inverse rotation.",
+        sentence="omega is transformed from body to space axes by the inverse rotation.",
         on=("tumbler",),
         method="suzuki",
         sees=("error", "omega.x"),
@@ -204,14 +207,14 @@ FAULTS = (
     ),
     rotation(
         name="conjugated",
-        sentence="The attitude maps space to body.",
+        sentence="The attitude maps space axes to body axes.",
         on=("tumbler",),
         sees=TURN,
         after=of_columns(attitude=conjugate),
     ),
     rotation(
         name="order-xyzw",
-        sentence="The quaternion has its scalar last.",
+        sentence="The quaternion is written with its scalar last.",
         on=("tumbler",),
         sees=TURN,
         after=of_columns(attitude=lambda q: np.roll(q, -1, axis=-1)),
@@ -232,21 +235,21 @@ FAULTS = (
     ),
     rotation(
         name="attitude-stays",
-        sentence="The attitude is never turned.",
+        sentence="The attitude does not change.",
         on=("flyer",),
         sees=TURN,
         after=of_columns(attitude=lambda q: np.broadcast_to(q[:1], q.shape)),
     ),
     rotation(
         name="frequency-for-omega",
-        sentence="f in place of omega = 2 pi f.",
+        sentence="The frequency f is used instead of omega = 2 pi f.",
         on=("tumbler",),
         sees=("error", "omega.x"),
         after=of_columns(omega=lambda w: w / (2 * np.pi)),
     ),
     rotation(
         name="omega-sign",
-        sentence="omega has the other sign.",
+        sentence="omega has the wrong sign.",
         on=("tumbler",),
         sees=("error", "omega.y"),
         after=of_columns(omega=lambda w: -w),

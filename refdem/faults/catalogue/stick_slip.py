@@ -31,7 +31,9 @@ def _fading(sound: Parts) -> dict[str, Any]:
 FAULTS = (
     stick_slip(
         name="stribeck-against-the-ground",
-        sentence="The friction's speed is taken against the ground instead of the belt.",
+        sentence=(
+            "The speed in the law of friction is relative to the ground instead of the belt."
+        ),
         sees=("error", "v"),
         inside=of_arguments(
             slider_force=lambda s, side, speed: (s, side, abs(side * speed + s.belt_velocity))
@@ -39,41 +41,44 @@ FAULTS = (
     ),
     stick_slip(
         name="stribeck-sign-against-the-ground",
-        sentence=(
-            "Friction opposes the velocity against the ground instead of that against the belt."
-        ),
+        sentence=("Friction opposes the velocity relative to the ground instead of the belt."),
         sees=("error", "v"),
         before=of_elements(Slider, belt_velocity=scaled(0.0)),
     ),
     stick_slip(
         name="stribeck-fading",
-        sentence="sgn(0) = 0: friction fades with the speed against the belt, and nothing sticks.",
+        sentence=(
+            "sgn(0) = 0: friction vanishes with the velocity relative to the belt, and"
+            " nothing sticks."
+        ),
         sees=("error", "v"),
         levels=4,
         inside=_fading,
     ),
     stick_slip(
         name="stribeck-static-only",
-        sentence="Friction does not fall with the speed: the static coefficient for all.",
+        sentence=(
+            "Friction does not decrease with the speed: it has the static coefficient throughout."
+        ),
         sees=("error", "v"),
         before=of_elements(Slider, lambda0=scaled(0.0)),
     ),
     stick_slip(
         name="stribeck-last-term-linear",
-        sentence="The last term of the law grows with the speed instead of its square.",
+        sentence="The last term of the law is linear in the speed instead of quadratic.",
         sees=("error", "v"),
         levels=5,
         before=of_elements(Slider, law=lambda law: "stribeck_linear"),
     ),
     stick_slip(
         name="stribeck-released-late",
-        sentence="It sticks until the pull is a tenth beyond the limit.",
+        sentence="The mass sticks until the pull exceeds the limit by 10 %.",
         sees=("error", "v"),
         inside=of_arguments(holds=lambda slider, along: (slider, along / 1.1)),
     ),
     stick_slip(
         name="belt-drive-sine",
-        sentence="The drive is a sine for a cosine.",
+        sentence="The drive is a sine instead of a cosine.",
         sees=("error", "v"),
         before=of_elements(Force, phase=lambda phase: phase - pi / 2),
     ),

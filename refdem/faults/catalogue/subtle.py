@@ -109,7 +109,7 @@ def _none_below_threshold(depth: Any) -> Any:
 
 
 def _first_radius(sound: Parts) -> dict[str, Any]:
-    """The first radius of a run serves for all levers."""
+    """The first radius of a run is used for all levers."""
     kept: dict[str, Any] = {}
 
     def lever(radius: Any, depth: Any, shortening: Any) -> Any:
@@ -153,7 +153,7 @@ FAULTS = (
     ),
     subtle(
         name="torque-of-the-plane",
-        sentence="The torque of friction is that of plane motion: about z alone.",
+        sentence="The torque of friction is that of plane motion, about z only.",
         on=("tumbling-spheres",),
         sees=("angular-momentum", "total"),
         inside=of_results(torque_on=lambda found: (0.0, 0.0, found[2])),
@@ -181,7 +181,7 @@ FAULTS = (
     ),
     subtle(
         name="not-a-number-as-zero",
-        sentence="One velocity is not a number and written as 0.",
+        sentence="One velocity is NaN and is written as 0.",
         on=("oscillator",),
         sees=("error", "v"),
         after=of_columns(velocity=_row(7, 0.0)),
@@ -195,7 +195,7 @@ FAULTS = (
     ),
     subtle(
         name="stops-at-steps",
-        sentence="A body that friction stops does so at the end of a step.",
+        sentence="A body that friction stops comes to rest at the end of a step.",
         on=("rubbing",),
         levels=8,
         sees=("error", "x"),
@@ -212,7 +212,7 @@ FAULTS = (
     ),
     subtle(
         name="sleeps",
-        sentence="What is slower than 1 mm/s is put to rest.",
+        sentence="Bodies slower than 1 mm/s are put to rest.",
         on=("oscillator",),
         method="suzuki",
         levels=6,
@@ -221,21 +221,24 @@ FAULTS = (
     ),
     subtle(
         name="cells",
-        sentence="Positions are kept on a grid of 1e-9 m.",
+        sentence="Positions are rounded to a grid of 1e-9 m.",
         on=("bounce",),
         sees=("reversal", "reversed"),
         inside=of_results(drifted=lambda found: tuple(round(x, 9) for x in found)),
     ),
     subtle(
         name="braked-against-the-ground",
-        sentence="What touches is braked against the ground, not against what it touches.",
+        sentence=(
+            "The dashpot of a contact opposes velocities relative to the ground instead of"
+            " the other body."
+        ),
         on=("knock",),
         sees=("symmetry", "boosted"),
         inside=_against_ground,
     ),
     subtle(
         name="left-handed-below",
-        sentence="The torque has the other sign where it is negative.",
+        sentence="The z component of the torque is replaced by its absolute value.",
         on=("scrape",),
         sees=("symmetry", "mirrored"),
         inside=of_results(torque_on=lambda found: (*found[:2], abs(found[2]))),
@@ -256,14 +259,14 @@ FAULTS = (
     ),
     subtle(
         name="work-late",
-        sentence="The work of dissipation is that of the row before.",
+        sentence="The dissipated work is that of the previous row.",
         on=("rubbing",),
         sees=("energy", "balance"),
         after=_work_late,
     ),
     subtle(
         name="work-half",
-        sentence="The work of dissipation counts half.",
+        sentence="The dissipated work is halved.",
         on=("knock",),
         sees=("energy", "balance"),
         after=_channel("dissipated_work", 0.5),
@@ -277,7 +280,7 @@ FAULTS = (
     ),
     subtle(
         name="contact-force-sign",
-        sentence="The contact force is written as negative.",
+        sentence="The contact force is written with a negative sign.",
         on=("bounce",),
         sees=("contact-channels", "contact_force"),
         after=_channel("contact_force", -1.0),

@@ -16,21 +16,21 @@ units = partial(Fault, kind="units", on=("oscillator",))
 FAULTS = (
     units(
         name="degrees-out",
-        sentence="Angular velocities are written in degrees.",
+        sentence="Angular velocities are written in degrees per second.",
         on=("tumbler",),
         sees=("error", "omega.x"),
         after=of_columns(omega=np.degrees),
     ),
     units(
         name="degrees-in",
-        sentence="Angular velocities are read as degrees.",
+        sentence="Angular velocities are read in degrees per second.",
         on=("tumbler",),
         sees=("error", "omega_body.x"),
         before=of_bodies(omega=np.radians),
     ),
     units(
         name="turns-a-minute",
-        sentence="Angular velocities are written in turns a minute.",
+        sentence="Angular velocities are written in revolutions per minute.",
         on=("flyer",),
         sees=("error", "omega.z"),
         after=of_columns(omega=lambda w: w * 30 / np.pi),
@@ -43,7 +43,7 @@ FAULTS = (
     ),
     units(
         name="millimetres-in",
-        sentence="Positions are read as millimetres, and written so.",
+        sentence="Positions are read and written in millimetres.",
         on=("orbit",),
         sees=("error", "vx"),
         before=of_bodies(position=lambda r: 1e3 * r),
@@ -56,20 +56,20 @@ FAULTS = (
     ),
     units(
         name="stiffness-per-millimetre",
-        sentence="The stiffness is read per centimetre.",
+        sentence="The stiffness is read in newton per centimetre.",
         sees=("error", "x"),
         before=of_elements(Spring, stiffness=scaled(0.01)),
     ),
     units(
         name="kilogram-force",
-        sentence="Forces are in kilogram-force.",
+        sentence="Forces are read in kilogram-force.",
         on=("rubbing",),
         sees=("stop", "stop_position"),
         before=of_elements(Slider, normal_force=scaled(1 / 9.80665)),
     ),
     units(
         name="gravity-in-feet",
-        sentence="Gravity is in feet.",
+        sentence="Gravity is read in feet per square second.",
         on=("swing",),
         sees=("error", "theta"),
         before=of_elements(UniformGravity, g=scaled(3.2808)),
@@ -83,14 +83,16 @@ FAULTS = (
     ),
     units(
         name="diameter-for-radius",
-        sentence="The contact law uses the mean stiffness of diameters: twice as stiff.",
+        sentence=(
+            "The contact law uses diameters instead of radii, so that the stiffness is doubled."
+        ),
         on=("bounce",),
         sees=("error", "v1.x"),
         before=of_elements(Contact, stiffness=scaled(2.0)),
     ),
     units(
         name="minutes",
-        sentence="Velocities are written per minute.",
+        sentence="Velocities are written in metres per minute.",
         on=("ellipse",),
         sees=("error", "vx"),
         after=of_columns(velocity=lambda v: 60 * v),

@@ -36,28 +36,28 @@ def _exchanged(request: Request) -> Request:
 FAULTS = (
     whirling(
         name="fluid-at-rest",
-        sentence="The fluid that turns is at rest: no speed makes the motion unstable.",
+        sentence="The rotating fluid is at rest, so that no speed makes the motion unstable.",
         sees=("growth", "rate"),
         before=of_elements(RotatingDashpot, rate=scaled(0.0)),
     ),
     whirling(
         name="fluid-turns-back",
-        sentence="The fluid turns the other way.",
+        sentence="The fluid rotates in the opposite direction.",
         before=of_elements(RotatingDashpot, rate=scaled(-1.0)),
     ),
     whirling(
         name="dashpots-exchanged",
-        sentence="The damping of the fluid at rest is that of the fluid that turns.",
+        sentence="The fluid at rest has the damping of the rotating fluid.",
         before=_exchanged,
     ),
     whirling(
         name="fluid-half-as-fast",
-        sentence="The fluid turns at half its speed.",
+        sentence="The fluid rotates at half its speed.",
         before=of_elements(RotatingDashpot, rate=scaled(0.5)),
     ),
     whirling(
         name="fluid-one-percent",
-        sentence="The fluid turns 1 % too fast.",
+        sentence="The fluid rotates 1 % too fast.",
         levels=5,
         before=of_elements(RotatingDashpot, rate=scaled(1.01)),
     ),
@@ -69,13 +69,13 @@ FAULTS = (
     ),
     whirling(
         name="fluid-energy",
-        sentence="The fluid that turns resists 10 % more than that of the scene.",
+        sentence="The damping of the rotating fluid is 10 % larger than in the scene.",
         sees=("energy", "finest"),
         before=of_elements(RotatingDashpot, damping=scaled(1.1)),
     ),
     whirling(
         name="fluid-late",
-        sentence="The fluid that turns acts with the velocity of the evaluation before.",
+        sentence="The rotating fluid uses the velocity of the previous evaluation.",
         method="rk4",
         sees=("order", "state"),
         inside=late_force(RotatingDashpot),

@@ -1,9 +1,9 @@
 """What was read from files of Python, kept from process to process in the user's cache folder.
 
-Parsing the files behind all truths takes most of a second, which every command would pay again.
-An entry is found by the content of its file and by all else that decides what is read from it,
-never by a name or a date; a damaged one is dropped, and made again. Where nothing can be kept, all
-is read each time.
+Parsing the files behind all truths takes most of a second, which every command would pay again. An
+entry is found by the content of its file and by everything else on which the result depends, never
+by a name or a date; a damaged one is dropped, and made again. Where nothing can be kept, all is
+read each time.
 """
 
 import hashlib

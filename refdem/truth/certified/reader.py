@@ -1,11 +1,11 @@
 """Reads and checks certified values. The standard library alone, so that this one file can be taken
 elsewhere: python reader.py FOLDER.
 
-A file is JSON Lines. The first line says format, case, number of sets and columns. Each set is a
-line with its exact parameters and how it was proved, and then its values, one a line: [t, quantity,
-mid, radius, binary64]. t [s] is an exact number as text, null for what does not depend on time. The
-exact value lies in [mid - radius, mid + radius]; binary64 (C's %a) is there where both ends round
-to that double.
+A file is JSON Lines. The first line has the format, the case, the number of sets and the columns.
+Each set is a line with its exact parameters and how it was proved, and then its values, one a line:
+[t, quantity, mid, radius, binary64]. t [s] is an exact number as text, null for what does not
+depend on time. The exact value lies in [mid - radius, mid + radius]; binary64 (C's %a) is there
+where both ends round to that double.
 
 sha256 is the last member of its line. That of a set is of its lines, each with its newline, with
 the text of sha256 itself left empty; that of the first line is of the whole file, with its own text
@@ -94,10 +94,9 @@ class Value:
 class CertifiedSet:
     """A case at one set of exact parameters (as text), its values, and how they were proved.
 
-    `source` is the digest of the code that proved them, `job` that of all that was asked and of all
-    code that had a part in the lines,
-    `versions` that of the packages; `witnessed` has the witness, the number of values that it
-    confirmed and to how many digits, None without a witness;
+    `source` is the digest of the code that proved them, `job` that of the request and of all code
+    on which the lines depend, `versions` that of the packages; `witnessed` has the witness, the
+    number of values that it confirmed and to how many digits, None without a witness;
     `not_certified` has the times at which nothing could be proved, and why.
     """
 
@@ -115,7 +114,7 @@ class CertifiedSet:
     values: tuple[Value, ...]
 
     def value(self, quantity: str, t: Fraction | str | None = None) -> Value:
-        """One value; raises KeyError that says what there is."""
+        """One value; raises KeyError that lists the existing ones."""
         if t is None:
             when = None
         else:
@@ -172,7 +171,7 @@ def problems_of_list(
     """What does not agree between the list of files and the files, both ways: of all, or of one
     file.
 
-    `inside` says what is wrong with a file in itself, or nothing.
+    `inside` returns the error within a file, or an empty text.
     """
     problem = inside or inner_problem
     try:
@@ -291,8 +290,8 @@ def json_of(line: str, where: str) -> Any:
 
 
 def member_of(line: str, members: dict[str, Any], where: str) -> dict[str, Any]:
-    """The object of a line with exactly these members, sha256 the last; raises ValueError that says
-    where.
+    """The object of a line with exactly these members, sha256 the last; raises ValueError with the
+    place of an error.
     """
     member = json_of(line, where)
     if not isinstance(member, dict) or SEALED.fullmatch(line) is None:
@@ -366,7 +365,9 @@ def _certified_set(
 
 
 def main(arguments: list[str]) -> int:
-    """Checks every file of a folder and says how much it holds; 1 if something is wrong."""
+    """Checks every file of a folder and prints how much it contains; returns 1 if there is an
+    error.
+    """
     try:
         loaded = load(folder=arguments[0] if arguments else None)
     except (ValueError, OSError) as error:

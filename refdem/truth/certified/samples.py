@@ -22,7 +22,7 @@ from refdem.truth.certified.writing import sealed
 class KeptSamples(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     """One line of samples/<case>.jsonl.
 
-    `job` is the digest of all that was asked and of all code that had a part in the line.
+    `job` is the digest of the request and of all code on which the line depends.
     """
 
     label: str
@@ -36,7 +36,7 @@ class KeptSamples(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
 def key_of(
     case: str, parameters: Mapping[str, str], times: Sequence[float], scales: Mapping[str, float]
 ) -> str:
-    """sha256 of all that a truth is asked with."""
+    """sha256 of all arguments of a truth."""
     return hashlib.sha256(
         msgspec.json.encode([case, dict(parameters), list(times), dict(scales)])
     ).hexdigest()

@@ -102,7 +102,7 @@ def statements(node: ast.AST) -> Iterator[ast.AST]:
 def _file(module: str) -> Path | None:
     """The path of the file of a module.
 
-    None for a name inside one, or for a package, whose __init__ says nothing but what it is.
+    None for a name inside one, or for a package, whose __init__ has a docstring only.
     """
     path = ROOT.joinpath(*module.split(".")[1:]).with_suffix(".py")
     package = path.with_suffix("") / "__init__.py"
@@ -126,7 +126,9 @@ def _read(path: Path) -> Parsed:
 
 @cache
 def _reader() -> str:
-    """All but the content that decides what is read from a file: this code and Python's parser."""
+    """Everything except the content on which the result for a file depends: this code and Python's
+    parser.
+    """
     code = hashlib.sha256(Path(__file__).read_bytes()).hexdigest()
     return f"{code} {sys.implementation.name} {sys.version}"
 
@@ -142,8 +144,8 @@ def code_of(source: bytes) -> str:
     """What a file of Python does, as text: its syntax tree without positions, comments, docstrings
     and other sentences on their own.
 
-    Empty fields are left out, so that a version of Python that adds one says the same of what does
-    not use it.
+    Empty fields are left out, so that the text is the same in a version of Python that adds a field
+    which the file does not use.
     """
     return _tree(ast.parse(source))
 

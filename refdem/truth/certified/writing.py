@@ -1,4 +1,4 @@
-"""From a truth to the lines of a certified set (reader.py says what they are)."""
+"""From a truth to the lines of a certified set (see reader.py for their format)."""
 
 import hashlib
 import json

@@ -137,7 +137,7 @@ class FreeRigidBody(ClosedForm):
 
     @cached_property
     def kind(self) -> Kind:
-        """The closed form of the motion, which the exact start decides."""
+        """The closed form of the motion, which follows from the exact initial state."""
         return kind(self.inertia, self.omega)
 
     def __post_init__(self) -> None:

@@ -37,7 +37,7 @@ class HaffTime(Guarded, Truth):
         self.digits = digits
 
     def at(self, t: Fraction) -> Mapping[str, Ball]:
-        """Raises NotCertifiedError: what the law says is a mean over many starts."""
+        """Raises NotCertifiedError: the law predicts a mean over many initial states."""
         raise NotCertifiedError(CHAOTIC)
 
     def derivatives(self, t: Fraction, count: int) -> Derivatives:

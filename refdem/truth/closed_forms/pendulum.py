@@ -201,7 +201,7 @@ class Pendulum(ClosedForm):
 
         phi lies in [-pi, pi], so that the cosine is not negative. An odd half turn is pi/2 of the
         half angle a: it is taken with the sign that leads back into the range, sin(a -+ pi/2) = -+
-        cos a and cos(a -+ pi/2) = +- sin a. Raises UndecidedError where balls cannot tell on which
+        cos a and cos(a -+ pi/2) = +- sin a. Raises UndecidedError if balls do not decide on which
         side of the top that is.
         """
         turns = nearest_integer(arb_of(self.theta0) / (2 * arb.pi()))
@@ -216,7 +216,7 @@ class Pendulum(ClosedForm):
 
     @per_precision
     def motion(self) -> PendulumMotion:
-        """The motion, of the kind that k says.
+        """The motion, whose kind follows from k.
 
         Rest and the separatrix are equalities, which balls cannot decide: they follow from the
         exact start, at theta0 = 0, where its sine is rational. Raises UndecidedError where a ball

@@ -95,7 +95,7 @@ class PhaseFlow(Guarded, Truth):
     def at(self, t: Fraction) -> dict[str, Ball]:
         """x_k and v_k of every corner, and `area`, at time t.
 
-        Raises NotCertifiedError where no precision decides how often a part of the polygon has
+        Raises NotCertifiedError if no precision decides how often a part of the polygon has
         crossed v = 0.
         """
         area = self.proved(lambda: {"area": self.area(arb_of(t))}, t)
@@ -126,7 +126,7 @@ class PhaseFlow(Guarded, Truth):
     def proved(self, formula: Formula, t: Fraction) -> dict[str, Ball]:
         """Balls of a formula of the area at t, to the digits of this truth.
 
-        Raises NotCertifiedError where no precision decides how often a part of the polygon has
+        Raises NotCertifiedError if no precision decides how often a part of the polygon has
         crossed v = 0.
         """
         target = abs(plain(self.first_area())) / Fraction(10) ** self.digits

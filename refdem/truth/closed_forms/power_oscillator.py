@@ -1,7 +1,7 @@
 """m x'' + k |x|^n sgn x = 0 from rest: incomplete beta functions and their inverses, as Arb balls.
 
-With p = n + 1, y = x/A, w = -v/u, u = sqrt(2 k/(m p)) A^(p/2), energy says y^p + w^2 = 1. In units
-of A/u (DLMF 8.17.7) the time
+With p = n + 1, y = x/A, w = -v/u and u = sqrt(2 k/(m p)) A^(p/2), energy is conserved as
+y^p + w^2 = 1. In units of A/u (DLMF 8.17.7) the time
 
     from the centre is           q(y) = y 2F1(1/2, 1/p; 1 + 1/p; |y|^p),
     from the turning point is    s(w) = (2/p) w 2F1(1/2, 1 - 1/p; 3/2; w^2),

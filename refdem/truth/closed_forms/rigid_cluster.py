@@ -174,7 +174,7 @@ class RigidCluster(ClosedForm):
     turned = attitude_at
 
     def __post_init__(self) -> None:
-        """Raises NotCertifiedError where no precision decides about which axis it turns."""
+        """Raises NotCertifiedError if no precision decides about which axis it rotates."""
         vars(self)["method"] = (
             f"closed form in Arb balls; {self.form().method}, in principal axes that are isolated"
             " roots"
@@ -264,7 +264,9 @@ class RigidCluster(ClosedForm):
 
     @per_precision
     def body(self) -> FreeBody:
-        """The motion of the free body in `axes`, of the kind that the exact start decides."""
+        """The motion of the free body in `axes`, of the kind that follows from the exact initial
+        state.
+        """
         omega = [arb_of(w) for w in self.omega]
         if len(self.moments()) < 3:
             return self._about_axis(omega)

@@ -9,8 +9,8 @@ Modes: the mass slips forward (u > 0), backward (u < 0), or sticks (u = 0), whic
 stick begins with a double zero of u: there u' = P - a mu0 = 0 and u'' = P' > 0. On a belt at rest x
 is constant while the mass sticks, so that the time of release, if any, is an arc cosine.
 
-A state y is (x, u, t): the clock t is a coordinate, because the drive depends on it. An `Entry`
-says which mode begins, in which state, and, for each guard that vanishes there, the order of its
+A state y is (x, u, t): the clock t is a coordinate, because the drive depends on it. An `Entry` has
+the mode that begins, its initial state, and, for each guard that vanishes there, the order of its
 zero.
 """
 
@@ -161,7 +161,7 @@ class StickSlip:
         """The mode at the start, decided in exact rationals.
 
         Raises NotCertifiedError where it starts on a belt at rest with the pull exactly at the
-        limit: then neither the pull nor its rate decides.
+        limit: then neither the sign of the pull nor that of its rate is conclusive.
         """
         slip = self.v0 - self.belt
         pull = self.gamma - self.x0 - self.friction(abs(self.belt))

@@ -125,8 +125,8 @@ class TwoSpheres(Collision):
         return range(4)
 
     def bodies(self) -> arb_mat:
-        """The coordinates MOVED and what only the mode knows, by x, y, vx, vy, the spins, the rest,
-        and the centre of mass.
+        """The derivative of the coordinates MOVED, and of those that only the mode has, by x, y,
+        vx, vy, the spins, the rest, and the centre of mass.
         """
         shares = [arb_of(mass / sum(self.spheres.masses)) for mass in self.spheres.masses]
         return moved_by_shares(shares, self.drifting(), self.phases.size - 1)

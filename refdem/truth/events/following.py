@@ -14,9 +14,10 @@ from refdem.truth.validated_ivp.integration import GUARD
 class Following:
     """The motion and the course on which its steps are marked.
 
-    The work left of a motion that can be scouted is estimated by its scout, which has seen the
-    modes to come; that of another motion by its cycles so far. The motion is followed to `t` (by
-    its own clock); `is_final` is True if it ended before, in a way that more bits do not change.
+    The work left of a motion that can be scouted is estimated by its scout, which has entered the
+    later modes before; that of another motion by its cycles so far. The motion is followed to `t`
+    (by its own clock); `is_final` is True if it ended before, in a way that more bits do not
+    change.
     """
 
     def __init__(self, motion: Followed, course: Course, t: Fraction) -> None:
@@ -64,8 +65,9 @@ class Following:
     def look_ahead(self, steps: int) -> None:
         """Advances the scout by so many steps, up to t, once the motion has PROBES pieces.
 
-        Where the scout has reached t, few pieces suffice for a forecast. Where it cannot go on (a
-        Taylor series that ends has no radius of convergence) the work left is estimated by cycles.
+        Where the scout has reached t, few pieces suffice for a forecast. If it cannot continue (a
+        Taylor series that terminates has no finite radius of convergence), the remaining work is
+        estimated by cycles.
         """
         if not self.is_scouted:
             return

@@ -38,8 +38,8 @@ class Entry:
 class Guard:
     """A switching function: `value(y)` > 0 inside the mode, and its first zero ends it.
 
-    `then(y)` gets balls that hold every state at the zero and returns the entry; it decides by
-    `sign` (crossing.py), which raises UndecidedError where the balls do not have one sign (a
+    `then(y)` receives balls that contain every state at the zero and returns the entry. It branches
+    on `sign` (crossing.py), which raises UndecidedError where the balls do not have one sign (a
     corner). An event has the `name` of its guard: "stick" for one that begins a stick, and so on.
     """
 

@@ -1,9 +1,10 @@
 """A truth by validated integration through events.
 
 Theorem: the quantities at t are those of the motion that follows the field of its mode until the
-first zero of one of its guards, and goes on from the entry which that guard gives; it is enclosed
-from event to event, with ball enclosures of the times of events. S(t) is bounded by the products of
-enclosures of the flow's derivative over the pieces, times the jump matrix at each event.
+first zero of one of its guards, and continues from the entry that this guard defines; it is
+enclosed from event to event, with ball enclosures of the times of events. S(t) is bounded by the
+products of enclosures of the flow's derivative over the pieces, times the jump matrix at each
+event.
 
 Hypotheses, and where each is checked:
 
@@ -70,7 +71,7 @@ Motion = TypeVar("Motion", bound=Followed, covariant=True)
 
 
 class Switching(Protocol[Motion]):
-    """A system that switches between modes: what a proof through events asks of it."""
+    """A system that switches between modes: the interface that a proof through events requires."""
 
     @property
     def clock_unit(self) -> Fraction | None:
@@ -114,7 +115,7 @@ class EventProof(Guarded, Generic[Motion]):
     """The refiner and the sensitivity of a motion through events: it proves values, and S(t).
 
     The motion of `system` is followed anew at each precision of the ladder, until the radii that
-    `refiner` asks for are met. `label` begins every message; `parameters` is the number of
+    `refiner` requires are met. `label` begins every message; `parameters` is the number of
     parameters that are coordinates of the motion; `kept` has motions and bounds.
     """
 

@@ -12,7 +12,7 @@ from refdem.truth.refiner import Size
 
 
 def truth(p: Parameters, scale: Mapping[str, Size]) -> Truth:
-    """Unfolding or the collision map, as `geometry` says."""
+    """Unfolding or the collision map, selected by `geometry`."""
     kind: type[Stadium | Rectangle] = Rectangle
     if p["geometry"] == "stadium":
         kind = Stadium

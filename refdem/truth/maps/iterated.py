@@ -45,7 +45,7 @@ UNSURE = 1e-12
 class BoundaryError(UndecidedError):
     """Raised where balls cannot choose a branch: `gap` is the ball whose sign is not known.
 
-    `code` says what is hit ("corner", "tangent"), if the ball is so small that it is a hit;
+    `code` names what is hit ("corner", "tangent"), if the ball is so small that it is a hit;
     otherwise the code is "precision".
     """
 
@@ -131,7 +131,9 @@ class Iterated(Guarded, Truth):
         return radius
 
     def lost(self, n: int) -> NotCertifiedError:
-        """The error that says why iterate n is not certified, and which is the last that is."""
+        """The error with the reason why iterate n is not certified, and the number of the last one
+        that is.
+        """
         code = "precision"
         last = 0
         with precision(MOST_BITS):
@@ -223,7 +225,7 @@ class Stepped(Guarded, ABC):
     def sensitivity(self, t: Fraction) -> float:
         """S(t): the largest sum of a row of the scaled derivative of iterate t by any earlier one.
 
-        The start is one of them. Raises NotCertifiedError where no precision knows the slopes.
+        The start is one of them. Raises NotCertifiedError if no precision bounds the slopes.
         """
         n = whole(t)
         bits = 256

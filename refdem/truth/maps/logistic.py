@@ -111,7 +111,7 @@ class LogisticFlow(Iterated):
 
 
 def truth(p: Parameters, scale: Mapping[str, Size]) -> Truth:
-    """Map or equation, as `form` says."""
+    """The map or the differential equation, selected by `form`."""
     parameters = numbers(p, "eta", "x0")
     kind: type[LogisticFlow | LogisticMap] = LogisticMap
     if p["form"] == "ode":

@@ -80,7 +80,7 @@ class Stadium(Stepped, Iterated):
         )
 
     def piece(self, state: Bounce) -> tuple[str, int]:
-        """The piece of the boundary that is met next; BoundaryError where balls cannot tell."""
+        """The piece of the boundary that is met next; BoundaryError if balls do not decide it."""
         x, y = state.place
         u, v = state.direction
         r = arb_of(self.radius)

@@ -49,15 +49,15 @@ SMALL = arb(2) ** -20
 sought as a part of a weight.
 """
 MOST_PIECES = 2**17
-"""The most pieces of one integration: one that asks for more ends with the code `time`, with all
-that came before certified.
+"""Largest number of pieces of one integration. One that needs more ends with the code `time`; the
+pieces so far are certified.
 """
 
 
 @dataclass(frozen=True)
 class Steps:
     """The choice of steps: `ratio` of step and outer radius, orders of the Taylor polynomial and of
-    the flow Jacobian (None: those that the bits ask for), and the bits of the Jacobian.
+    the flow Jacobian (None: those that the bits require), and the bits of the Jacobian.
     """
 
     ratio: Fraction = Fraction(1, 4)
@@ -66,8 +66,8 @@ class Steps:
     jacobian_bits: int = JACOBIAN_BITS
 
     def orders(self, bits: int) -> tuple[int, int | None]:
-        """The orders of the solution and of its Jacobian (None: as its remainder on each disc asks
-        for).
+        """The orders of the solution and of its Jacobian (None: as its remainder on each disc
+        requires).
 
         ratio^order <= 2^-bits.
         """

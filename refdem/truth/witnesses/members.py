@@ -123,9 +123,9 @@ class Trio(Colliding):
     """A sphere between two others, with separate equations of motion of all three.
 
     The state is x, y, vx, vy, omega of each sphere (outer, middle, outer), then the stretch of each
-    tangential spring. Both contacts are in the same phase, and the first contact decides where it
-    ends: a half turn about the middle sphere maps each contact to the other one. If the motion
-    lost this symmetry, the values would not agree with the truth.
+    tangential spring. Both contacts are in the same phase, which ends at the end of the phase of
+    the first contact: a half turn about the middle sphere maps each contact to the other one. If
+    the motion lost this symmetry, the values would not agree with the truth.
     """
 
     def __init__(self, p: Mapping[str, Any]) -> None:

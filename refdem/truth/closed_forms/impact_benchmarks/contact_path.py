@@ -43,7 +43,7 @@ from refdem.truth.swept_growth import Span, largest_growth
 AXES = "xyz"
 STATE = ("r.x", "r.y", "v.x", "v.y")
 COORDINATES = (*STATE, "sigma", "impulse.x", "impulse.y", "turning.z")
-"""The coordinates of an error that grows: sigma is one, because the spring remembers it."""
+"""The coordinates of an error that grows. sigma is one of them, because it is part of the state."""
 SIGMA = 4
 """Where sigma stands in COORDINATES."""
 MOST_PIECES = 16
@@ -130,9 +130,7 @@ class ContactPath(ClosedForm):
     displaced = displaced_part("path")
 
     def refuse_more_digits(self, t: arb) -> None:
-        """Raises NotCertifiedError where more digits are asked for than the finite masses leave, at
-        any precision.
-        """
+        """Raises NotCertifiedError for more digits than the finite masses allow."""
         most = self.most_digits()
         if self.digits > most:
             if most > 0:
@@ -279,7 +277,8 @@ class ContactPath(ClosedForm):
             side = -1
         if not self.path.tangential_stiffness:
             return self.without_spring(Piece(x, side, arb(0)), end)
-        # At touch sigma and its limit are both 0: the faster of the two decides.
+        # At touch sigma and its limit are both 0: the phase follows from which of the two grows
+        # faster.
         excess = self.excess_rate(side, 0, x)
         if not (excess > 0 or excess < 0):
             raise UndecidedError("whether it slides from touch on")
@@ -333,7 +332,7 @@ class ContactPath(ClosedForm):
             if caught is None:
                 return None
             x = caught[1]
-            # There sigma is at its limit, which says what C is.
+            # There sigma is at its limit, from which the constant C follows.
             constant = last.side * self.sigma_limit(x, 0) - self.sigma(self.place(x))
             return Piece(x, 0, constant)
         guards = []
@@ -436,8 +435,8 @@ class ContactPath(ClosedForm):
     def gained(self, x: arb) -> list[arb]:
         """The impulse (2, along and across the path) and turning impulse of body 1 up to x.
 
-        The sum over the pieces so far of antiderivatives at their ends. UndecidedError where balls
-        do not tell in which piece x lies.
+        The sum over the pieces so far of antiderivatives at their ends. UndecidedError if balls do
+        not decide in which piece x lies.
         """
         n = self.numbers()
         total = [arb(0)] * 3
@@ -628,7 +627,7 @@ class PathGrowth:
         return [slip.slopes, force_x.slopes, force_y.slopes, torque.slopes]
 
     def leg_index(self, time: arb) -> int:
-        """The index of the leg in which a time [s] lies; UnsharpError where balls cannot tell."""
+        """The index of the leg in which a time [s] lies; UnsharpError if balls do not decide it."""
         for index, leg in enumerate(self.legs):
             if leg.end is None or time <= leg.end:
                 return index

@@ -263,8 +263,8 @@ class HertzWallImpact(ClosedForm):
         """The overlap [m] and the time [s] at the end of the slip; None if it does not end.
 
         It ends at P = 2|s|/(7 mu), where u = d'/v = (v_x(0) - P)/v with v the speed at touch; then
-        d = d_m (1 - u^2)^a by the energy. Raises UndecidedError where balls cannot tell that from
-        the end of the contact.
+        d = d_m (1 - u^2)^a by the energy. Raises UndecidedError if balls do not separate that point
+        from the end of the contact.
         """
         contact, touch = self.strike.contact()
         if not self.strike.friction or not self.strike.slip():

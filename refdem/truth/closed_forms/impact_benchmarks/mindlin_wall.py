@@ -12,8 +12,8 @@ at the zero of a linear function of d'.
 Stick. The stretch is that of mindlin_spring; where it comes to g d is proved by bisection and
 interval Newton.
 
-v_y - 2/5 R omega never changes. Not certified: a spring that is too near its limit to tell on which
-side it is.
+v_y - 2/5 R omega never changes. Not certified: a spring so near its limit that balls do not decide
+on which side it is.
 
 A contact has three legs (INWARD, TURNING, OUTWARD) with a coordinate x each, which grows with time
 (mindlin_spring.py). `depth` and `rate` are d and d', scaled by their largest values d_m and v_n
@@ -53,7 +53,9 @@ from refdem.truth.mindlin_spring import INWARD, OUTWARD, MindlinSpring, Stretche
 from refdem.truth.smooth_flow import derivative_by_start
 
 COORDINATES = (*STATE, "stretch")
-"""The coordinates of an error that grows: the stretch is one, because the spring remembers it."""
+"""The coordinates of an error that grows. The stretch is one of them, because it is part of the
+state.
+"""
 MOST = 64
 """A contact with more phases is not followed."""
 
@@ -78,7 +80,7 @@ class Sliding:
 
         It ends where side slip = g d' = g v_n u, that is at u = (7/2 mu v_n u0 - side slip0)/((7/2
         mu - g) v_n), after which the limit grows faster than the slip could stretch the spring.
-        Raises UndecidedError where balls cannot tell that from the end of the contact.
+        Raises UndecidedError if balls do not separate that point from the end of the contact.
         """
         speed = self.spring.contact.speed
         _, rate = self.spring.place(self.leg, self.x)
@@ -161,7 +163,7 @@ class MindlinWallImpact(ClosedForm):
     def phases(self) -> list[Phase]:
         """Every phase of the contact in order of time, a stick by its legs.
 
-        Raises UndecidedError where balls cannot tell the slip from the rate of the limit at touch,
+        Raises UndecidedError if balls do not separate the slip from the rate of the limit at touch,
         SwitchError for a contact of more than MOST phases.
         """
         contact, _ = self.strike.contact()
@@ -185,7 +187,7 @@ class MindlinWallImpact(ClosedForm):
         else:
             motion = started(spring, INWARD, x, zero, slip)
         phases = [Phase(spring.time(INWARD, x), zero, zero, motion)]
-        # `at_limit` says which margins are 0 where a stick begins; see `guard`.
+        # `at_limit` selects the margins that are 0 where a stick begins; see `guard`.
         if not slides and overlap <= 0:
             at_limit = 1
         else:
@@ -234,7 +236,7 @@ class MindlinWallImpact(ClosedForm):
         """The phase after a stick that begins at x, the x where that begins, and its `at_limit`.
 
         It is a slide where the stretch comes to its limit; a stick that lasts to the end of its leg
-        goes on upon the next leg. None without slip, where nothing ever happens. At the end of the
+        continues on the next leg. None without slip, where no phase follows. At the end of the
         contact the limit is 0 and the stretch is not: the last phase is a slide.
         """
         motion = last.motion
@@ -321,7 +323,7 @@ class MindlinWallImpact(ClosedForm):
     ) -> tuple[int, arb]:
         """The leg and its coordinate x of a scaled overlap and rate.
 
-        A `leg` that is known is taken as it is: near its ends balls could not tell it.
+        A given `leg` is returned unchanged: near its ends balls would not decide between two legs.
         """
         if leg is None:
             return spring.coordinate(depth, rate)
@@ -329,7 +331,7 @@ class MindlinWallImpact(ClosedForm):
 
     def phase(self, since: arb) -> Phase:
         """The phase that is under way at a time [s] since touch; UndecidedError if balls do not
-        tell.
+        decide which one it is.
         """
         current = None
         for phase in self.phases():

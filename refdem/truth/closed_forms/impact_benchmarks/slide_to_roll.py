@@ -144,7 +144,7 @@ class SlideToRoll(ClosedForm):
         """STATE at time t, and zeros for the other components.
 
         Until it rolls u = u0 - mu I and x = x0 + u0 t - mu (integral of I), with I = g t - (d' -
-        d'(0)); then it goes on at that speed.
+        d'(0)); then the speed remains constant.
         """
         overlap, overlap_rate = self.overlap(t)
         roll_time = self.roll_time()

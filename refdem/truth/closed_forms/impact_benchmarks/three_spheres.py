@@ -31,8 +31,8 @@ MOVED = ("r1.x", "r1.y", "v1.x", "v1.y", "omega1.z", "omega2.z")
 
 @dataclass(frozen=True, kw_only=True)
 class Squeezed(TouchingPair):
-    """An outer sphere of `masses[0]` against the middle one; masses[1] is half of the middle one's,
-    which its torque feels.
+    """An outer sphere of `masses[0]` against the middle one; masses[1] is half of the mass of the
+    middle one, and enters its torque.
     """
 
     @property
