@@ -5,6 +5,7 @@ varied, the effect follows.
 import re
 import subprocess
 import sys
+import tomllib
 from collections.abc import Callable
 from functools import cache
 from itertools import pairwise
@@ -213,6 +214,35 @@ def test_a_pyramid_of_friction_brakes_less_on_the_diagonal_and_else_along_a_tang
     for beginning in ("pyramidal on the diagonal, h =", "pyramidal on the diagonal, mu ="):
         parts = [part for _, part in cone(beginning)]
         assert parts == pytest.approx([diagonal, diagonal], abs=1e-3)
+
+
+def test_a_block_has_less_friction_down_the_diagonal_of_the_pyramid_than_a_tangent() -> None:
+    """Turning the fall line or taking the elliptic cone changes it; turning the block does not."""
+    diagonal = 0.5**0.5
+    parts = {"pyramidal": [1, diagonal, 1], "elliptic": [1, 1, 1]}
+    for name, expected in parts.items():
+        found = cone(f"block, {name}, fall line at")
+        assert [heading for heading, _ in found] == [0, 45, 90]
+        assert [part for _, part in found] == pytest.approx(expected, abs=3e-3)
+    assert cone("block turned by 45 degrees, along a tangent: c =") == [[1]]
+    # It tends to 1/sqrt(2) as the step falls.
+    (coarse_step, coarse), (fine_step, fine) = cone("block on the diagonal, h =")
+    assert coarse == pytest.approx(diagonal, abs=2 * coarse_step)
+    assert fine == pytest.approx(diagonal, abs=6 * fine_step)
+    for beginning in ("block turned by 45 degrees, on", "block turned by 90 degrees, on"):
+        assert cone(beginning)[0] == pytest.approx([diagonal], abs=3e-3)
+    for _, part in cone("block on the diagonal, mu ="):
+        assert part == pytest.approx(diagonal, abs=3e-3)
+
+
+def test_the_expected_error_on_the_diagonal_is_that_of_the_lacking_friction() -> None:
+    """s is too long by g (1 - c) mu cos a t^2/2, in units of the height of the block."""
+    (part,) = (part for heading, part in cone("block, pyramidal, fall line at") if heading == 45)
+    lacking = 9.8125 * (1 - part) * 0.5 * 0.8
+    table = tomllib.loads((SCRIPTS.parent / "mujoco.toml").read_text())["expected"]
+    rows = [row for row in table if "heading" in row["parameters"] and row["quantity"] == "s"]
+    assert len(rows) == 1
+    assert rows[0]["low"] < lacking * 0.5**2 / 2 / 0.25 < rows[0]["high"]
 
 
 def test_a_pendulum_of_pymunk_falls_asleep_where_it_is_slow_for_longer_than_the_threshold() -> None:
