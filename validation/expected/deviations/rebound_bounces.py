@@ -27,7 +27,7 @@ import math
 
 import rebound
 
-PHASES = 16
+PHASES = 16  # enough that the least and the greatest change halve with the step to 10 %
 
 
 def changes(integrator, step, *, bounces=True, r_crit_hill=None, mass=1e-6):
