@@ -1,5 +1,5 @@
-"""A block on a plane, level or sloping: x runs down the slope, y is its normal, and gravity is
-tilted.
+"""A block on a plane, level or sloping: y is the normal of the plane, and gravity is tilted towards
+x, or towards another direction in the plane.
 """
 
 import numpy as np
@@ -27,10 +27,17 @@ def tilt(p: Parameters) -> tuple[float, float]:
     return p.slope / hypotenuse, 1 / hypotenuse
 
 
+def downhill(p: Parameters) -> tuple[float, float]:
+    """Components along x and z of the unit vector that points down the slope."""
+    return float(np.cos(p.heading)), float(np.sin(p.heading))
+
+
 def scene(p: Parameters) -> Scene:
     """The block flat on the plane y = 0."""
     sine, cosine = tilt(p)
-    gravity = UniformGravity(g=(p.gravity * sine, -p.gravity * cosine, 0.0))
+    along_x, along_z = downhill(p)
+    down = p.gravity * sine
+    gravity = UniformGravity(g=(down * along_x, -p.gravity * cosine, down * along_z))
     return Scene.of([block(p.mass)], [PLANE, gravity, Contact(law="rigid", friction=p.friction)])
 
 

@@ -18,7 +18,9 @@ Array = NDArray[np.float64]
 
 
 class BlockOnSlope(Case):
-    """x runs down the slope and y is its normal; gravity is tilted instead."""
+    """x runs down the slope, unless `heading` turns its fall line; y is its normal, and gravity is
+    tilted instead.
+    """
 
     id = "block-on-slope"
     title = "Block on a slope"
@@ -59,6 +61,12 @@ class BlockOnSlope(Case):
             at_most=1.4464,
         ),
         Parameter(name="gravity", default="9.8125", unit="m/s^2", doc="straight down", above=0),
+        Parameter(
+            name="heading",
+            default="0",
+            unit="rad",
+            doc="angle between x and the fall line, in the plane, towards z",
+        ),
     )
 
     def refuse(self, p: Parameters) -> None:
@@ -85,8 +93,14 @@ class BlockOnSlope(Case):
         return Quantity("s", "m", s.length), Quantity("v", "m/s", s.speed)
 
     def observe(self, p: Parameters, trajectory: Trajectory) -> dict[str, Array]:
-        """The position [m] and the velocity [m/s] along x at the samples, each (T,)."""
-        return {"s": trajectory.position[:, 0, 0], "v": trajectory.velocity[:, 0, 0]}
+        """Displacement [m] and velocity [m/s] down the slope at the samples, each (T,)."""
+        along_x, along_z = _slope.downhill(p)
+        position = trajectory.position[:, 0]
+        velocity = trajectory.velocity[:, 0]
+        return {
+            "s": along_x * position[:, 0] + along_z * position[:, 2],
+            "v": along_x * velocity[:, 0] + along_z * velocity[:, 2],
+        }
 
     def truth(self, p: Parameters) -> Truth:
         """The certified motion: rest, decided exactly, or a parabola."""

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from refdem.core import discovery
+from refdem.core.problem import Request
 from refdem.errors import UsageError
 from refdem.planning.in_process import record_of, task_of, truth_of
 from refdem.solvers import exact_slide
@@ -54,6 +55,31 @@ def test_pymunk_holds_the_block_and_lets_it_slide(regime):
     assert passed > 10
 
 
+def test_the_fall_line_turns_with_the_heading_and_the_way_down_it_does_not_change():
+    """60 degrees from x towards z; the heading is rounded to 16 digits."""
+    straight = discovery.case("block-on-slope").at(friction="1/2")
+    turned = discovery.case("block-on-slope").at(friction="1/2", heading="1.0471975511965976")
+    reference = discovery.engine("reference")
+    trajectories = []
+    for instance in (straight, turned):
+        request = Request(problem=instance.problem, method="exact-slide")
+        trajectory, _ = reference.run(request)
+        trajectories.append(trajectory)
+    way = trajectories[0].position[:, 0, 0]
+    assert trajectories[1].position[:, 0, 0] == pytest.approx(way / 2, rel=1e-14)
+    assert trajectories[1].position[:, 0, 2] == pytest.approx(way * 0.75**0.5, rel=1e-14)
+    seen = turned.case.observe(turned.p, trajectories[1])
+    assert seen["s"] == pytest.approx(way, rel=1e-14)
+    assert seen["v"] == pytest.approx(trajectories[0].velocity[:, 0, 0], rel=1e-14)
+
+
+@pytest.mark.parametrize("method", ["rk4", "euler", "implicitfast"])
+def test_tuned_mujoco_brakes_in_every_direction_and_as_shipped_less_on_the_diagonal(method):
+    given = {"friction": "1/2", "heading": "0.7854", "duration": "0.5"}
+    assert failures("mujoco", method, **given)[0] == set()
+    assert failures("mujoco", "euler-as-shipped", **given)[0] >= {"s", "v"}
+
+
 def test_a_hundred_digits_off_the_boundary_is_not_the_boundary():
     hair = Fraction(1, 10**60)
     assert not slides(Fraction(3, 4), Fraction(3, 4), None)
@@ -82,8 +108,6 @@ def test_the_block_stays_bit_for_bit_over_a_million_steps():
 
 
 def runs_of(instance):
-    from refdem.core.problem import Request
-
     yield Request(problem=instance.problem, method="equilibrium")
 
 

@@ -106,7 +106,7 @@ CATALOGUE = {
     ),
 }
 CATALOGUE |= {
-    "block-on-slope": ("mass friction slope angle gravity", ["s", "v"]),
+    "block-on-slope": ("mass friction slope angle gravity heading", ["s", "v"]),
     "neglected-gyroscopic": (
         (
             "member inertia omega_body attitude velocity mass gravity slope height stiffness"

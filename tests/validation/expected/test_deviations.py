@@ -5,6 +5,7 @@ varied, the effect follows.
 import re
 import subprocess
 import sys
+import tomllib
 from collections.abc import Callable
 from functools import cache
 from itertools import pairwise
@@ -51,6 +52,7 @@ units = lines_of("pymunk_units.py")
 line = lines_of("rebound_line.py")
 cone = lines_of("mujoco_cone.py")
 sleep = lines_of("pymunk_sleep.py")
+bounces = lines_of("rebound_bounces.py")
 
 
 def test_the_step_of_ias15_grows_fourfold_until_a_sample_cuts_it() -> None:
@@ -197,6 +199,44 @@ def test_what_line_finds_is_resolved_the_more_the_longer_the_spheres_overlap() -
     assert line("line, resolved at the touch, step") == [[2, 40], [20, 40]]
 
 
+def widths(beginning: str) -> list[tuple[float, float]]:
+    """What is varied, and how far apart the least and the greatest change of energy are [m^2]."""
+    found = []
+    for varied, count, least, greatest in bounces(beginning):
+        assert count == 16
+        found.append((varied, greatest - least))
+    return found
+
+
+def test_bounces_in_mercurius_change_the_energy_by_a_part_that_falls_with_the_step() -> None:
+    """Of either sign, and not where nothing bounces."""
+    for (step, width), (smaller, less) in pairwise(widths("mercurius, step")):
+        assert width / less == pytest.approx(step / smaller, rel=0.1)
+    for _, _, least, greatest in bounces("mercurius, step"):
+        assert least < -0.1 < 0.1 < greatest
+    ((_, count, least, greatest),) = bounces("mercurius without bounces, step")
+    assert count == 0
+    assert -1e-3 < least <= greatest < 1e-3
+
+
+def test_bounces_keep_the_energy_where_ias15_has_all_of_the_force_between_the_planets() -> None:
+    """The farther out it takes over, and where it integrates alone."""
+    switched = widths("mercurius, r_crit_hill")
+    assert [distance for distance, _ in switched] == [6, 10, 20, 40]
+    assert all(before > 2 * after for (_, before), (_, after) in pairwise(switched))
+    assert switched[-1][1] < 1e-4
+    assert widths("ias15, step")[0][1] < 1e-4
+
+
+@pytest.mark.parametrize("kind", ["bounces", "no collisions"])
+def test_whfast_attracts_hard_spheres_where_gravity_is_none(kind: str) -> None:
+    """Only G = 0 lets them fly freely; leapfrog lets them."""
+    (_, attracted), (_, free) = bounces(f"whfast, gravity none, {kind}, G =")
+    assert attracted < -0.3
+    assert free == 0
+    assert [change for _, change in bounces(f"leapfrog, gravity none, {kind}, G =")] == [0, 0]
+
+
 def test_a_pyramid_of_friction_brakes_less_on_the_diagonal_and_else_along_a_tangent() -> None:
     """The elliptic cone brakes by mu N, against the velocity, whatever the direction."""
     diagonal = 0.5**0.5
@@ -213,6 +253,35 @@ def test_a_pyramid_of_friction_brakes_less_on_the_diagonal_and_else_along_a_tang
     for beginning in ("pyramidal on the diagonal, h =", "pyramidal on the diagonal, mu ="):
         parts = [part for _, part in cone(beginning)]
         assert parts == pytest.approx([diagonal, diagonal], abs=1e-3)
+
+
+def test_a_block_has_less_friction_down_the_diagonal_of_the_pyramid_than_a_tangent() -> None:
+    """Turning the fall line or taking the elliptic cone changes it; turning the block does not."""
+    diagonal = 0.5**0.5
+    parts = {"pyramidal": [1, diagonal, 1], "elliptic": [1, 1, 1]}
+    for name, expected in parts.items():
+        found = cone(f"block, {name}, fall line at")
+        assert [heading for heading, _ in found] == [0, 45, 90]
+        assert [part for _, part in found] == pytest.approx(expected, abs=3e-3)
+    assert cone("block turned by 45 degrees, along a tangent: c =") == [[1]]
+    # It tends to 1/sqrt(2) as the step falls.
+    (coarse_step, coarse), (fine_step, fine) = cone("block on the diagonal, h =")
+    assert coarse == pytest.approx(diagonal, abs=2 * coarse_step)
+    assert fine == pytest.approx(diagonal, abs=6 * fine_step)
+    for beginning in ("block turned by 45 degrees, on", "block turned by 90 degrees, on"):
+        assert cone(beginning)[0] == pytest.approx([diagonal], abs=3e-3)
+    for _, part in cone("block on the diagonal, mu ="):
+        assert part == pytest.approx(diagonal, abs=3e-3)
+
+
+def test_the_expected_error_on_the_diagonal_is_that_of_the_lacking_friction() -> None:
+    """s is too long by g (1 - c) mu cos a t^2/2, in units of the height of the block."""
+    (part,) = (part for heading, part in cone("block, pyramidal, fall line at") if heading == 45)
+    lacking = 9.8125 * (1 - part) * 0.5 * 0.8
+    table = tomllib.loads((SCRIPTS.parent / "mujoco.toml").read_text())["expected"]
+    rows = [row for row in table if "heading" in row["parameters"] and row["quantity"] == "s"]
+    assert len(rows) == 1
+    assert rows[0]["low"] < lacking * 0.5**2 / 2 / 0.25 < rows[0]["high"]
 
 
 def test_a_pendulum_of_pymunk_falls_asleep_where_it_is_slow_for_longer_than_the_threshold() -> None:
