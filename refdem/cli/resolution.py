@@ -47,8 +47,9 @@ def command(
 
     Each number (a mass, a stiffness, a friction, a start, ...) is multiplied by 1 + a in every
     request that an engine gets, and its runs are judged as if it had been read correctly. The
-    smallest a at which some finding fails is found by trial, between 1e-12 and 1. The result says
-    what a pass excludes, not whether the engine is right. Exit status 0.
+    smallest a at which some finding fails is found by trial, between 1e-12 and 1, without runs of
+    changed scenes (shifted, boosted, relabelled), which may show more. The result says what a pass
+    excludes, not whether the engine is right. Exit status 0.
 
     Example: refdem resolution hard-spheres --engine pymunk --engine rebound
     """
