@@ -53,14 +53,13 @@ def command(
     ] = False,
     json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
 ) -> None:
-    """Finds the smallest reading errors that are detected.
-
-    Each number of a scene has one, relative to its value.
+    """Finds the smallest reading error of each number that is detected.
 
     Each number (a mass, a stiffness, a coefficient of friction, an initial value, ...) is
     multiplied by 1 + a in every request to an engine, and the runs are judged as if the number had
     been read correctly. A search between 1e-12 and 1 finds the smallest a at which a finding fails.
-    The result states which errors a passed check excludes, not whether the engine is right. Exit
+    Runs of changed scenes (shifted, boosted, relabelled) are left out; they may detect more. The
+    result states which errors a passed check excludes, not whether the engine is right. Exit
     status 0.
 
     Example: refdem resolution hard-spheres --engine pymunk --engine rebound

@@ -228,9 +228,10 @@ def resolution(
 ) -> Resolution:
     """The resolution of the method that the specification names, for each number of the scene.
 
-    Only checks that read nothing but plain runs of the refinement levels are used. Checks that
-    compare runs with symmetric, reversed or perturbed ones detect no misreading, as these are
-    misread in the same way.
+    Only checks that read nothing but plain runs of the refinement levels are used. Runs of the
+    scene shifted, boosted, relabelled or reversed are mostly misread in the same way, so that a
+    comparison shows nothing. It may show a start, or a number of one body: 1.05 (x + s) - s is not
+    1.05 x. A verdict therefore excludes at least what is measured.
     """
     (task,) = plan.tasks(specification, instance, (), engine, truth, truth.reason)
     narrow = msgspec.structs.replace(specification, checks=checks_of_plain_runs(task))
@@ -287,7 +288,7 @@ class _Judge:
             return "the motion does not depend on it"
         return (
             f"misread by {FIRST:g} it moves the run by {change:.1g} of its scales, and misread by"
-            f" {unseen:g} no finding fails either"
+            f" {unseen:g} no finding on its own runs fails either"
         )
 
     def trial(self, number: Number | None, amount: float) -> Trial:

@@ -24,6 +24,10 @@ Each number of a scene was misread by a factor 1 + a in every request that an en
 runs were judged as if it had been read correctly. The table has the smallest a at which some
 finding fails, and the finding that is farthest beyond its bound there. `refdem resolution CASE
 --engine E` measures it anew; trials lie within a factor of 1.5 of each other.
+
+Only runs of the scene itself were judged. A verdict also compares them with runs of the scene
+shifted, boosted, relabelled or reversed, which may show a start or a number of one body that is
+misread by less: a pass excludes at least what the table has.
 """
 
 

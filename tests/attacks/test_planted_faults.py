@@ -1,5 +1,6 @@
 """A fault planted in a copy of an adapter turns the real run red, in the quantity that is wrong."""
 
+import json
 import os
 import re
 import shutil
@@ -10,6 +11,8 @@ from pathlib import Path
 import pytest
 
 import refdem
+from refdem.core import discovery
+from refdem.core.parameters import labelled
 
 PACKAGE = Path(refdem.__file__).parent
 
@@ -141,18 +144,23 @@ FAULTS += [
 ]
 
 
-@pytest.mark.parametrize(("name", "file", "change", "where", "named"), FAULTS)
-def test_a_planted_fault_turns_the_run_red_and_is_named(copy, name, file, change, where, named):
-    path = copy / "refdem" / file
+def planted(site, where, file, change):
+    """A run of (case, engine, method) while `change`, a pair of texts, is made in a file."""
+    path = site / "refdem" / file
     sound = path.read_text()
     assert sound.count(change[0]) == 1
     path.write_text(sound.replace(*change))
     try:
         case, _, setting = where[0].partition("[")
         given = [word for part in setting.rstrip("]").split() for word in ("--set", part)]
-        done = run(copy, case, *given, "--engine", where[1], "--method", where[2])
+        return run(site, case, *given, "--engine", where[1], "--method", where[2])
     finally:
         path.write_text(sound)
+
+
+@pytest.mark.parametrize(("name", "file", "change", "where", "named"), FAULTS)
+def test_a_planted_fault_turns_the_run_red_and_is_named(copy, name, file, change, where, named):
+    done = planted(copy, where, file, change)
     assert done.returncode == 1, done.stdout + done.stderr
     for quantity in named:
         title = rf"FAIL +{re.escape(where[0].split('[')[0])}.*/{where[1]}/{where[2]}/{quantity}"
@@ -176,3 +184,54 @@ def test_the_copy_is_green_when_nothing_is_planted_and_runs_again_only_what_chan
         )[1]
     )
     assert 0 < again < made
+
+
+RESOLUTION = Path(__file__).parents[2] / "reports" / "resolution.jsonl"
+HERTZ = ("hertz-spheres[duration=1/20 samples=8]", "pymunk", "semi-implicit-euler")
+FIELD = ("asymmetric-field[x0=-1/4 v0=1]", "mujoco", "euler")
+SPUN = ("free-rigid-body[omega_body=0,0,1 duration=5 samples=16]", "rebound", "bs")
+UNEQUAL = ("hard-spheres[restitution=1 offset=0,0 masses=1,1000000]", *PYMUNK[1:])
+SOFT = ("engines/pymunk/callbacks.py", "law.stiffness, law.exponent, law.damping")
+SLIDING = ("engines/mujoco/joints.py", "self.body.mass")
+MOMENTS = ("engines/rebound/fields.py", "scene.bodies.inertia[rotors]")
+OMEGA = ("engines/rebound/simulation.py", "scene.bodies.omega[rotors]")
+MISREAD = [
+    (HERTZ, "stiffness of the contact", 1.01, SOFT),
+    (HERTZ, "stiffness of the contact", 1.05, SOFT),
+    (FIELD, "mass", 1.01, SLIDING),
+    (FIELD, "mass", 1.05, SLIDING),
+    (SPUN, "moment of inertia 3", 1.05, MOMENTS),
+    (SPUN, "spin", 1.01, OMEGA),
+]
+
+
+def smallest_of(where, name):
+    """What reports/resolution.jsonl says of a number: its smallest misreading that is seen."""
+    case, given = labelled(where[0])
+    place = (discovery.case(case).at(**given).label, *where[1:])
+    for line in RESOLUTION.read_text().splitlines():
+        row = json.loads(line)
+        if (row["label"], row["engine"], row["method"]) == place:
+            (number,) = [one for one in row["numbers"] if one["number"] == name]
+            return number.get("smallest", float("inf"))
+    raise AssertionError(f"no row of {place}")
+
+
+@pytest.mark.parametrize(("where", "number", "factor", "read"), MISREAD)
+def test_what_a_copy_misreads_is_seen_as_the_page_of_resolution_says(
+    copy, where, number, factor, read
+):
+    file, words = read
+    done = planted(copy, where, file, (words, f"{factor} * {words}"))
+    assert done.returncode == int(smallest_of(where, number) <= factor - 1), done.stdout
+
+
+def test_a_run_may_see_a_misread_start_that_its_own_runs_do_not_show(copy):
+    """Body 1 is a million times heavier and stands still but for a millionth of its motion."""
+    words = "column.position[number, :2]"
+    assert smallest_of(UNEQUAL, "position of body 1") == float("inf")
+    change = (words, f"({words} * (1.05 if number == 1 else 1.0))")
+    done = planted(copy, UNEQUAL, "engines/pymunk/space.py", change)
+    assert done.returncode == 1, done.stdout + done.stderr
+    failed = set(re.findall(r"FAIL +\S.*/semi-implicit-euler/(\S+/\S+)", done.stdout))
+    assert failed == {"symmetry/shifted", "symmetry/relabelled"}
