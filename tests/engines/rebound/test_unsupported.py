@@ -45,6 +45,8 @@ ROTOR = Body(mass=1.0, inertia=(0.0, 1.0, 1.0), omega=(0.0, 0.0, 1.0))
         ("leapfrog", Scene.of([POINT], [Rod(a=0, length=1.0)]), "depends on velocities"),
         ("whfast", Scene.of([POINT], [Spring(a=0, stiffness=1.0)]), "one attracting centre"),
         ("whfast", Scene.of([POINT]), "one attracting centre"),
+        # It would attract them, whatever `gravity` is (deviations/rebound_bounces.py).
+        ("whfast", Scene.of([BALL, BALL], [Contact(law="rigid")]), "one attracting centre"),
         (
             "whfast",
             Scene.of([POINT], [CentralField(gm=1.0), Spring(a=0, stiffness=1.0)]),

@@ -52,6 +52,7 @@ units = lines_of("pymunk_units.py")
 line = lines_of("rebound_line.py")
 cone = lines_of("mujoco_cone.py")
 sleep = lines_of("pymunk_sleep.py")
+bounces = lines_of("rebound_bounces.py")
 
 
 def test_the_step_of_ias15_grows_fourfold_until_a_sample_cuts_it() -> None:
@@ -196,6 +197,44 @@ def test_what_line_finds_is_resolved_the_more_the_longer_the_spheres_overlap() -
     for radius, speed, step, bounced in line("line, spheres of radius"):
         assert bounced == 40 * 2 * radius / speed / step
     assert line("line, resolved at the touch, step") == [[2, 40], [20, 40]]
+
+
+def widths(beginning: str) -> list[tuple[float, float]]:
+    """What is varied, and how far apart the least and the greatest change of energy are [m^2]."""
+    found = []
+    for varied, count, least, greatest in bounces(beginning):
+        assert count == 16
+        found.append((varied, greatest - least))
+    return found
+
+
+def test_bounces_in_mercurius_change_the_energy_by_a_part_that_falls_with_the_step() -> None:
+    """Of either sign, and not where nothing bounces."""
+    for (step, width), (smaller, less) in pairwise(widths("mercurius, step")):
+        assert width / less == pytest.approx(step / smaller, rel=0.1)
+    for _, _, least, greatest in bounces("mercurius, step"):
+        assert least < -0.1 < 0.1 < greatest
+    ((_, count, least, greatest),) = bounces("mercurius without bounces, step")
+    assert count == 0
+    assert -1e-3 < least <= greatest < 1e-3
+
+
+def test_bounces_keep_the_energy_where_ias15_has_all_of_the_force_between_the_planets() -> None:
+    """The farther out it takes over, and where it integrates alone."""
+    switched = widths("mercurius, r_crit_hill")
+    assert [distance for distance, _ in switched] == [6, 10, 20, 40]
+    assert all(before > 2 * after for (_, before), (_, after) in pairwise(switched))
+    assert switched[-1][1] < 1e-4
+    assert widths("ias15, step")[0][1] < 1e-4
+
+
+@pytest.mark.parametrize("kind", ["bounces", "no collisions"])
+def test_whfast_attracts_hard_spheres_where_gravity_is_none(kind: str) -> None:
+    """Only G = 0 lets them fly freely; leapfrog lets them."""
+    (_, attracted), (_, free) = bounces(f"whfast, gravity none, {kind}, G =")
+    assert attracted < -0.3
+    assert free == 0
+    assert [change for _, change in bounces(f"leapfrog, gravity none, {kind}, G =")] == [0, 0]
 
 
 def test_a_pyramid_of_friction_brakes_less_on_the_diagonal_and_else_along_a_tangent() -> None:
