@@ -16,6 +16,7 @@ from refdem.scene.elements.slider import Slider
 from refdem.scene.elements.spring import Spring
 from refdem.scene.elements.uniform_gravity import UniformGravity
 from refdem.smoke.probes import Expected, Probe
+from refdem.smoke.space_probes import in_space, unlike_probes
 
 Array = NDArray[np.float64]
 Vector = tuple[float, float, float]
@@ -27,19 +28,21 @@ LATER = 2.0
 
 
 def force_probes() -> tuple[Probe, ...]:
-    """The probes of forces: springs, dashpots, friction, drives, a rod, contacts, fixed bodies."""
+    """The probes of forces: springs, dashpots, drag, friction, drives, a rod, contacts, fixed
+    bodies; those that a plane has room for are asked in it and in space.
+    """
+    planar = (_damped_pair(), _slide(), _drive_between(), _dumbbell(), _floor(), *unlike_probes())
     return (
         _diagonal_spring(),
         _two_springs(),
-        _damped_pair(),
-        _slide(),
+        *planar[:2],
         _drive("drive", start=0.0),
         _drive("drive that starts later", start=LATER),
-        _drive_between(),
-        _dumbbell(),
+        *planar[2:4],
         _knock("knock in a plane", normal=(0.6, 0.8, 0.0), drift=(0.5, -0.25, 0.0)),
         _knock("knock in space", normal=(2 / 3, -1 / 3, 2 / 3), drift=(0.5, -0.25, 0.75)),
-        _floor(),
+        *planar[4:],
+        *map(in_space, planar),
         _hanging_from_fixed(),
         _resting_on_fixed(),
     )

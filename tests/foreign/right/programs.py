@@ -146,12 +146,12 @@ class Program:
         is_stepping = all(method.get("control") != "tolerance" for method in self.methods)
         return self.source in ("soft", "multistep", "rigid") and is_stepping
 
-    def built(self, folder: Path) -> Path:
+    def built(self, folder: Path, home_of_sources: Path = HERE) -> Path:
         """The refdem.toml of the program, compiled into a folder of its own below `folder`."""
         home = folder / self.name
         home.mkdir(parents=True, exist_ok=True)
         switches = [fused(switch) for switch in self.switches]
-        sources = [str(HERE / f"{self.source}.c")]
+        sources = [str(home_of_sources / f"{self.source}.c")]
         output = ["-o", str(home / "program")]
         words = [word for words in switches for word in words]
         command = ["cc", *FLAGS, *words, *output, *sources, "-lm", "-pthread"]
