@@ -49,7 +49,9 @@ static pieces prepare(dd mass, dd stiffness, dd friction, dd x, double v)
         b.first = dd_abs(x);
         b.opening = dd_of(0.0);
         b.side = copysign(1.0, x.hi);
-    } else { /* R cos lag = x + sgn(v) s and R sin lag = v/w, along v */
+    } else {
+        /* About the centre -sgn(v) s: R cos lag = sgn(v) (x + sgn(v) s), R sin lag = |v|/w. The
+         * first turning point is -sgn(v) s + sgn(v) R, at the time lag/w. */
         dd v_over_w = dd_abs(dd_div(dd_of(v), b.rate));
         b.centre = dd_scale(b.shift, -b.heading);
         dd along_v = dd_scale(dd_sub(x, b.centre), b.heading);
@@ -104,6 +106,7 @@ static void state_at(const pieces *b, dd since, dd x, double *restrict place,
         path_before = fabs(b->side * first - dd_round(x));
     if (n >= (double)b->halves) { /* it has stopped */
         n = (double)b->halves;
+        /* x = (-1)^n sgn(Y) (|Y| - 2 n s) with the number n of half cycles, at rest. */
         *place = b->side * turning_point(b, b->halves);
         if (b->halves % 2 == 1)
             *place = -*place;
@@ -149,6 +152,7 @@ int refdem_coulomb_prepare(double mass, double stiffness, double friction, doubl
     run *r = (run *)motion;
     dd m = dd_of(mass);
     dd k = dd_of(stiffness);
+    /* f = mu N; the equilibrium is m g/k from the anchor, and x = x0 - m g/k. */
     r->friction = two_product(friction, normal_force);
     r->middle = dd_div(dd_scale(m, gravity), k);
     r->x = dd_sub(dd_of(x0), r->middle);
@@ -159,6 +163,7 @@ int refdem_coulomb_prepare(double mass, double stiffness, double friction, doubl
     r->samples = samples;
     r->t = t;
     r->out = out;
+    /* It stops at t0 + (time of the first turning point) + halves pi/w. */
     dd last = dd_add(r->b.opening, dd_scale(r->b.half, (double)r->b.halves));
     *stop = dd_round(dd_add(dd_of(t0), last));
     return 0;
@@ -174,6 +179,7 @@ int refdem_coulomb_run(const double *motion)
         double place;
         double *to = r->out + 3 * row;
         state_at(&r->b, two_sum(t[row], -r->t0), r->x, &place, to + 1, to + 2);
+        /* Position m g/k + place, from the anchor of the spring. */
         to[0] = dd_round(dd_add(r->middle, dd_of(place)));
         if (t[row] == r->t0) { /* the start as it was given */
             to[0] = r->x0;

@@ -41,7 +41,11 @@ static inline dd complete_third(dd m1, dd p)
     p = dd_sqrt(p);
     b = dd_div(dd_of(1.0), p);
     /* A step keeps the value of the integral, and kc/m tends to 1. In the limit the value is
-     * (pi/2) (b + a m)/(m (m + p)). */
+     * (pi/2) (b + a m)/(m (m + p)). With e = kc m, a step is
+     *
+     *   a -> a + b/p,   b -> 2 (b + a e/p),   p -> p + e/p,   m -> m + kc,   kc -> 2 sqrt(e),
+     *
+     * where the right-hand sides have the values before the step. */
     for (int i = 0;; i++) {
         dd f = a;
         dd g = dd_div(e, p);
@@ -103,6 +107,8 @@ static inline dd angle_of(dd s, dd c)
         return dd_of(0.0);
     s = dd_div(s, size);
     c = dd_div(c, size);
+    /* arcsin x = x R_F(1 - x^2, 1, 1) (DLMF 19.2.18, 19.16.6): the angle is arcsin |s|, or
+     * pi/2 - arcsin |c| where |s| >= |c|; then pi - angle for c < 0, and -angle for s < 0. */
     dd acute;
     if (fabs(s.hi) < fabs(c.hi)) {
         acute = dd_mul(dd_abs(s), carlson_rf(dd_square(c), one, one));
@@ -147,6 +153,10 @@ typedef struct {
  * x)/cos x, cos(2n x) by rows n and powers (4.21.28). */
 static inline void theta_polynomials(jacobi *j)
 {
+    /* theta1 and theta2 are divided by 2 nome^(1/4), the unit of theta2(0) in j->sn and j->cn:
+     *   theta1 = sum (-1)^n nome^(n (n + 1)) sin((2n+1) x),
+     *   theta2 = sum nome^(n (n + 1)) cos((2n+1) x),
+     *   theta3 = 1 + 2 sum nome^(n^2) cos(2n x),   theta4 alike with the signs (-1)^n. */
     static const double sines[4][4] = {{1}, {3, -4}, {5, -20, 16}, {7, -56, 112, -64}};
     static const double cosines[4][4] = {{1}, {1, -4}, {1, -12, 16}, {1, -24, 80, -64}};
     static const double doubles[4][4] = {{0.5}, {1, -2}, {1, -8, 8}, {1, -18, 48, -32}};
@@ -173,6 +183,8 @@ static inline jacobi jacobi_prepare(dd m, dd m1)
     j.other = dd_of(INFINITY);
     if (m.hi > 0.0)
         j.other = quarter_period(m);
+    /* log nome = -pi K(1 - m)/K(m) for m <= 1/2, and -pi K(m)/K(1 - m) for m > 1/2 (DLMF
+     * 22.2.1). */
     double ratio;
     if (m.hi <= 0.5) {
         j.kind = CIRCULAR;
@@ -192,7 +204,9 @@ static inline jacobi jacobi_prepare(dd m, dd m1)
     j.oblong[0] = 1.0;
     /* Values at 0, with theta2 in units of 2 nome^(1/4):
      * theta3 = 1 + 2 sum nome^(n^2), theta4 = 1 + 2 sum (-1)^n nome^(n^2),
-     * theta2 = 1 + sum nome^(n (n + 1)). */
+     * theta2 = 1 + sum nome^(n (n + 1)).
+     * The powers are products, nome^(n^2) = nome^((n - 1)^2) nome^(2n - 1) and
+     * nome^(n (n + 1)) = nome^(n^2) nome^n. */
     for (int n = 1; n < TERMS; n++) {
         power *= nome;
         j.square[n] = j.square[n - 1] * odd;
@@ -245,9 +259,18 @@ static inline void circular_series(const jacobi *restrict j, int count, jacobi_p
 }
 
 /* The same of m1 at i u (DLMF 22.6.1): sn(u|m) = -i sc(iu|m1), cn = nc, dn = dc, theta functions of
- * an imaginary argument. Every exponential is scaled to be at most 1: sums over nome^(n^2) x^n and
- * nome^(n(n+1)) x^(n+1) for x = low = decay^2 and x = high = growth^2, in their even and odd parts,
- * give theta1 to theta4 up to a common factor. */
+ * an imaginary argument (20.2.1-4). With the nome q, xi = pi K f/K' and |f| <= 1/2, every
+ * exponential is scaled to be at most 1:
+ *
+ *   decay = exp(-|xi|),   growth = sqrt(q) exp(|xi|),   low = decay^2,   high = growth^2,
+ *   theta1 = sum (-1)^n (q^(n^2) high^n - q^(n(n+1)) low^(n+1)),
+ *   theta2 = sum (q^(n^2) high^n + q^(n(n+1)) low^(n+1)),
+ *   theta3 = sum (q^(n^2) low^n + q^(n(n+1)) high^(n+1)),
+ *   theta4 = sum (-1)^n (q^(n^2) low^n - q^(n(n+1)) high^(n+1)).
+ *
+ * theta3 and theta4 are the theta functions at i xi; theta1, but for its factor i, and theta2 are
+ * theirs over q^(1/4) exp(|xi|). Hence sn = sn_0 theta1/theta2, cn = cn_0 2 decay theta4/theta2 and
+ * dn = dn_0 2 decay theta3/theta2. */
 static inline void hyperbolic_series(const jacobi *restrict j, int count, jacobi_points *restrict p)
 {
     double root = exp(0.5 * j->log_nome);
@@ -259,6 +282,7 @@ static inline void hyperbolic_series(const jacobi *restrict j, int count, jacobi
         double low2 = low * low;
         double high2 = high * high;
         double sign = p->sn[k];
+        /* The sums over even and over odd n, for n = 0 .. 3. */
         double even_high = fma(high2, j->square[2], 1.0);
         double odd_high = high * fma(high2, j->square[3], j->square[1]);
         double even_low = fma(low2, j->square[2], 1.0);
@@ -271,6 +295,7 @@ static inline void hyperbolic_series(const jacobi *restrict j, int count, jacobi
         double theta2 = (even_high + more_low) + (odd_high + less_low);
         double theta3 = (even_low + more_high) + (odd_low + less_high);
         double theta4 = (even_low - more_high) + (less_high - odd_low);
+        /* sn has the sign of f; sn and cn have in addition the sign (-1)^n of the half periods. */
         double inverse_theta2 = 1.0 / theta2;
         double twice = 2.0 * decay * inverse_theta2;
         p->sn[k] = copysign(j->sn * theta1 * inverse_theta2, p->f[k]) * sign;
@@ -286,6 +311,7 @@ static inline void hyperbolic_series(const jacobi *restrict j, int count, jacobi
 static inline void jacobi_at(const jacobi *restrict j, turns phase, double t0, int count,
                              const double *restrict t, jacobi_points *restrict p)
 {
+    /* m = 1: sn = tanh u, cn = dn = sech u, u = start + rate (t - t0) (DLMF, table 22.5.4). */
     if (j->kind == SEPARATRIX) {
         for (int k = 0; k < count; k++) {
             p->f[k] = dd_add(phase.start, dd_mul(phase.rate, two_sum(t[k], -t0))).hi;
@@ -333,6 +359,7 @@ static inline dd jacobi_inverse(const jacobi *j, dd sn, dd cn, dd dn)
         u = dd_sub(j->quarter,
                    dd_mul(s, carlson_rf(dd_square(dd_mul(sn, ratio)), dd_square(ratio), one)));
     }
+    /* sn(2K - u) = sn u and cn(2K - u) = -cn u; sn is odd (DLMF 22.4). */
     if (cn.hi < 0.0)
         u = dd_sub(dd_scale(j->quarter, 2.0), u);
     if (sn.hi < 0.0)

@@ -43,6 +43,7 @@ static inline void tumbling_state_at(const free_body *restrict b, int count,
     double theta_re[BLOCK], theta_im[BLOCK];
     jacobi_at(&b->j, b->phase, b->t0, count, t, &p);
     theta_direction(b, count, &p, theta_re, theta_im);
+    /* e = +-1: the sign of e3 in e; hand = +-1: n x e = hand (n2, -n1, 0) by label. */
     double e = b->along[b->axis[2]];
     double hand = -e;
     if ((b->axis[1] + 3 - b->axis[0]) % 3 == 1) /* the axes are in cyclic order */
@@ -51,6 +52,8 @@ static inline void tumbling_state_at(const free_body *restrict b, int count,
     double period = 2.0 * b->j.quarter.hi;
     if (b->j.kind == SEPARATRIX) /* no period: phases count in 1 */
         period = 1.0;
+    /* Half turns x = Psi/(2 pi) = turn t/pi - order slope 2K (f - f0)/pi, but for the argument of
+     * theta; f is the fraction of u/(2K). */
     double slope = -order * b->slope * period / DD_PI.hi;
     for (int k = 0; k < count; k++) {
         double sign, cosine, sine;
@@ -79,6 +82,7 @@ static inline void tumbling_state_at(const free_body *restrict b, int count,
         double q1 = fma(tall, n2, twist * n1);
         double q2 = fma(twist, n2, -(tall * n1));
         double q3 = twist * e * a;
+        /* w = (A1 cn, A2 sn, A3 dn) by label. */
         out->w[0][k] = b->size[0] * p.cn[k];
         out->w[1][k] = b->size[1] * p.sn[k];
         out->w[2][k] = b->size[2] * p.dn[k];
@@ -96,6 +100,7 @@ static void turning_state_at(const free_body *b, dd time, double *restrict q,
                              double *restrict omega)
 {
     double cosine, sine, turned_base[4], omega_body[3];
+    /* turn: (cos a, sin a along) with the half angle a = turn time. */
     turned(dd_mul(b->turn, time), &cosine, &sine);
     double turn[4] = {cosine, sine * b->along[0], sine * b->along[1], sine * b->along[2]};
     if (b->kind == STEADY) { /* omega stays as given */
@@ -106,6 +111,8 @@ static void turning_state_at(const free_body *b, dd time, double *restrict q,
     quaternion_product(b->base, turn, turned_base);
     double omega_body_start[3];
     rounded(b->w, 3, omega_body_start);
+    /* q = base turn spin with spin = (cos b, sin b e3), b = rate time/2, and omega_body(t) = spin*
+     * omega_body(0) spin; omega in space axes is q omega_body q*. */
     turned(dd_scale(dd_mul(b->rate, time), 0.5), &cosine, &sine);
     double spin[4] = {cosine, 0.0, 0.0, 0.0};
     double back[4] = {cosine, 0.0, 0.0, 0.0};
@@ -129,6 +136,7 @@ static inline void to_space(const free_body *restrict b, int count, const states
     const double *q = w[1];
     const double *r = w[2];
     for (int k = 0; k < count; k++) {
+        /* base q is the product of the matrix `frame` and q; u = base q/|base q| = (a, x, y, z). */
         double u[4];
         for (int i = 0; i < 4; i++)
             u[i] = fma(b->frame[i][0], from->q[0][k],
@@ -139,6 +147,8 @@ static inline void to_space(const free_body *restrict b, int count, const states
         double x = scale * u[1];
         double y = scale * u[2];
         double z = scale * u[3];
+        /* t = 2 u x w,   omega = w + a t + u x t, with the vector part u = (x, y, z) and w =
+         * omega_body = (p, q, r). */
         double cx = 2.0 * fma(y, r[k], -(z * q[k]));
         double cy = 2.0 * fma(z, p[k], -(x * r[k]));
         double cz = 2.0 * fma(x, q[k], -(y * p[k]));

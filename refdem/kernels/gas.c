@@ -151,6 +151,8 @@ static void gather(gas *g, share *t, int rank)
  * for |q| = 1, q *= 3/2 - |q|^2/2. */
 static void rotate(const double *w, double time, const double *q, double *out)
 {
+    /* (cos a, u)(q_0, q_v) = (cos a q_0 - u.q_v, cos a q_v + q_0 u + u x q_v), u = (sin a/a) w
+     * time/2. */
     double angle = 0.5 * time * sqrt(dot(w, w));
     double factor = 0.5 * time; /* sin(angle)/angle tends to 1 */
     if (angle != 0.0)

@@ -57,6 +57,7 @@ static void wrap(gas *g, share *t)
         for (int64_t i = 3 * t->from; i < 3 * t->to; i++) {
             if (x[i] >= 0.0 && x[i] < size)
                 continue;
+            /* x -= size floor(x/size), and the count of boxes gains floor(x/size). */
             double boxes = floor(x[i] / size);
             if (!(fabs(boxes + g->now.boxes[i]) <= FARTHEST)) {
                 t->failed = ASTRAY;
@@ -242,6 +243,7 @@ static inline void list_pairs(gas *g, share *t, int64_t i, int64_t from, int64_t
     const double *x = g->now.x + 3 * i;
     const double *s = g->shift[image];
     const double reach2 = g->reach * g->reach;
+    /* |x_j - (x_i - shift)|^2 < reach^2. */
     double at[3] = {x[0] - s[0], x[1] - s[1], x[2] - s[2]};
     for (int64_t j = from; j < to; j++) {
         const double *y = g->now.x + 3 * j;

@@ -72,6 +72,8 @@ static inline void gear_predict(gear *g, double h)
 {
     int64_t n = g->size;
     for (int64_t k = 0; k < n; k++) {
+        /* r_0 += r_1 + r_2 + .., with what rounding r_1 has lost, and r_1 += 2 r_2 + 3 r_3 + ..; x
+         * = r_0 and v = r_1/h. */
         g->increment[k] = g->low[n + k] + gear_added(g, 0, k);
         g->increment[n + k] = gear_added(g, 1, k);
         for (int i = COMPENSATED; i < g->values; i++)
@@ -86,6 +88,7 @@ static inline void gear_correct(gear *g, double h)
 {
     int64_t n = g->size;
     for (int64_t k = 0; k < n; k++) {
+        /* d = h^2/2 f(x, v) - r_2; r_i += c_i d. */
         double d = 0.5 * h * h * g->a[k] - g->row[2 * n + k];
         for (int i = 0; i < COMPENSATED; i++) {
             int64_t at = i * n + k;

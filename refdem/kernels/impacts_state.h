@@ -151,6 +151,7 @@ static inline void branch(const motion *m, const double *restrict ri, const doub
 static inline double until_spheres(const refdem_impacts *p, const motion *m, int64_t i, int64_t j,
                                    double now)
 {
+    /* R = R_i + R_j, d = (r_j - r_i)/R, w = v_j - v_i. */
     const double reach = p->radius[i] + p->radius[j];
     double vi[3], vj[3], ri[3], rj[3], apart[3], relative[3], swept[3];
     velocity(m, i, now, vi);
@@ -167,6 +168,7 @@ static inline double until_spheres(const refdem_impacts *p, const motion *m, int
         return INFINITY;
     for (int c = 0; c < 3; c++)
         relative[c] /= speed;
+    /* b = d.w/|w|: they approach if it is below zero. */
     const double distance = size(apart);
     const double b = dot(apart, relative);
     if (!(-b * speed > ROUNDINGS * distance * (size(vi) + size(vj))))
@@ -175,6 +177,7 @@ static inline double until_spheres(const refdem_impacts *p, const motion *m, int
     const double q = 1.0 - dot(swept, swept);
     if (!(q > 0.0))
         return INFINITY;
+    /* s = (R/|w|) (|d| - 1) (|d| + 1)/(sqrt(q) - b). */
     const double gap = (distance - 1.0) * (distance + 1.0);
     return fmax(0.0, gap / (sqrt(q) - b)) * (reach / speed);
 }
@@ -206,6 +209,7 @@ static inline double until_plane(const motion *m, const double *restrict plane,
     double from[3];
     for (int c = 0; c < 3; c++)
         from[c] = r[c] - plane[c];
+    /* c = -v.n, h = (r - P).n - R with the point P of the plane, a = -g.n. */
     const double closing = -dot(v, normal);
     const double height = dot(from, normal) - radius;
     const double pull = -dot(m->gravity, normal);

@@ -58,6 +58,9 @@ static void stretch(double stiffness, double rest, spring *e, int n)
         e->strength[0] = stiffness;
     if (rest == 0.0)
         return;
+    /* (d.d)_n, and with sums over 0 < k < n and 0 < k <= n:
+     *   2 |d|_0 |d|_n = (d.d)_n - sum |d|_k |d|_(n-k),
+     *   |d|_0 (1/|d|)_n = -sum |d|_k (1/|d|)_(n-k). */
     e->squared[n] = cauchy(e->branch[0], e->branch[0], n) + cauchy(e->branch[1], e->branch[1], n);
     if (n == 0) {
         e->distance[0] = sqrt(e->squared[0]);
@@ -83,6 +86,7 @@ static void expand(const void *system, dd time, series *y, double *scale)
         for (int i = 0; i < p->rods; i++) {
             sine_cosine(y[i], y[p->rods + i], s[i], c[i], n);
             place(p, i, s[i], c[i], &sine[i], &cosine[i], r[i], n);
+            /* The force on point i begins with m_i g, which is constant in time. */
             for (int axis = 0; axis < 2; axis++) {
                 force[i][axis][n] = 0.0;
                 if (n == 0)
@@ -94,6 +98,7 @@ static void expand(const void *system, dd time, series *y, double *scale)
             spring *e = &springs[j];
             int64_t a = p->ends[2 * j];
             int64_t b = p->ends[2 * j + 1];
+            /* d = r_b - r_a, with r_b the fixed point, constant in time, where b = -1. */
             for (int axis = 0; axis < 2; axis++) {
                 double other = 0.0;
                 if (b >= 0)
@@ -103,13 +108,16 @@ static void expand(const void *system, dd time, series *y, double *scale)
                 e->branch[axis][n] = other - r[a][axis][n];
             }
             stretch(p->stiffness[j], p->rest[j], e, n);
+            /* (log |d|)' = |d|' (1/|d|): n log_n = sum over k = 1 .. n of k |d|_k (1/|d|)_(n-k).
+             * The coefficient TERMS, for which |d| is not known, is left 0. */
             logarithm[n + 1] = 0.0;
-            if (p->rest[j] > 0.0 && n > 0) { /* |d| (log |d|)' = |d|' */
+            if (p->rest[j] > 0.0 && n > 0) {
                 double sum = 0.0;
                 for (int k = 1; k <= n; k++)
                     sum += k * e->distance[k] * e->inverse[n - k];
                 logarithm[n] = sum / n;
             }
+            /* The pull k (1 - s/|d|) d on a, and its opposite on b. */
             for (int axis = 0; axis < 2; axis++) {
                 double pull = cauchy(e->strength, e->branch[axis], n);
                 force[a][axis][n] += pull;
@@ -117,14 +125,15 @@ static void expand(const void *system, dd time, series *y, double *scale)
                     force[b][axis][n] -= pull;
             }
         }
-        /* th_i'' = (m_i g + pulls on i).t_i/(m_i l_i) */
+        /* th_i'' = (m_i g + pulls on i).t_i/(m_i l_i), t_i = (cos th_i, sin th_i). */
         for (int i = 0; i < p->rods; i++) {
             double along = cauchy(force[i][0], cosine[i], n) + cauchy(force[i][1], sine[i], n);
             y[i][n + 1] = y[p->rods + i][n] / (n + 1);
             y[p->rods + i][n + 1] = along / (p->mass[i] * p->length[i]) / (n + 1);
         }
     }
-    /* Sizes relative to which the last coefficients determine the step. */
+    /* Sizes relative to which the last coefficients determine the step: 1 rad, the largest |th'|
+     * plus `outer_rate`, and 1 for log |d|. */
     double rate = 0.0;
     for (int i = 0; i < p->rods; i++)
         rate = fmax(rate, fabs(y[p->rods + i][0]));
@@ -166,6 +175,7 @@ int refdem_joined_rods(int64_t count, const double *length, const double *mass, 
     }
     for (int j = 0; j < p.springs; j++)
         stiff += fabs(stiffness[j]);
+    /* sqrt(|g|/min l) + sqrt(sum |k|/min m), a rate of the motion that is there even at rest. */
     p.outer_rate = sqrt(hypot(gravity[0], gravity[1]) / shortest) + sqrt(stiff / lightest);
     return taylor_run(expand, &p, 2 * p.rods + p.springs, y, samples, t, out);
 }

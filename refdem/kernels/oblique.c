@@ -193,6 +193,7 @@ static double step_size(const pair *p, const segment *z)
 {
     double speed = fabs(z->y[G][0]) + fabs(z->y[Q][0]) + fabs(p->radius_i * z->y[SPIN_I][0])
                    + fabs(p->radius_j * z->y[SPIN_J][0]);
+    /* speed = |g| + |q| + |R_i w_i| + |R_j w_j| + |d| sqrt(k/m), with k the larger stiffness. */
     double frequency = sqrt(fmax(p->stiffness, p->tangential_stiffness) * p->inverse_mass);
     double h = INFINITY;
     speed += fabs(z->y[D][0]) * frequency;
@@ -232,6 +233,8 @@ static void watch_friction(const pair *p, const motion *m, segment *restrict z)
     series guard;
     double limit_per_force = p->friction / p->tangential_stiffness;
     if (m->mode == SLIP) {
+        /* (F')_n = (n + 1) F_(n+1). The coefficient ORDER of the guard is not known, and set to
+         * 0. */
         for (int n = 0; n < ORDER; n++)
             guard[n] = m->side * z->slip[n] - limit_per_force * (n + 1) * z->force[n + 1];
         guard[ORDER] = 0.0;
@@ -331,6 +334,7 @@ static void record(const pair *p, const motion *m, const segment *z, double sinc
 {
     double spring = 0.0;
     state_at(p, m, z, since, out);
+    /* Contacts, F = k d + c g, and the work lost but for the energy that springs still hold. */
     out[9] = 0.0;
     out[10] = 0.0;
     if (m->mode != APART) { /* they press */
@@ -383,6 +387,8 @@ int64_t refdem_oblique(const refdem_oblique_pair *p, const double *start, int64_
 {
     assert(samples >= 1 && release && out);
     assert(p && start && t);
+    /* A segment: its series (expand), its end (locate), the samples in it, then the state at its
+     * end and the mode after it. */
     segment z;
     motion m = begin(p, start);
     int64_t row = 0;

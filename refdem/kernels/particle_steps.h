@@ -187,6 +187,7 @@ static inline void project(const runner *r, double *restrict y)
     const refdem_particles *p = r->p;
     if (p->turning) {
         for (int64_t i = 0; i < p->bodies; i++) {
+            /* q = q/|q|. */
             double *q = y + 9 * p->bodies + 4 * i;
             double norm = sqrt(q[0] * q[0] + dot(q + 1, q + 1));
             for (int c = 0; c < 4; c++)
@@ -199,6 +200,7 @@ static inline void project(const runner *r, double *restrict y)
         double *s = y + history_at(p) + 3 * k;
         if (r->mode[k] < STICK)
             continue;
+        /* s -= (s.n) n, and s = s/|s| where s is the direction of a slipping spring. */
         contact m = measure(p, k, y);
         add_scaled(s, -dot(s, m.n), m.n);
         double length = size(s);
@@ -209,7 +211,10 @@ static inline void project(const runner *r, double *restrict y)
     }
 }
 
-/* The classical method of order 4 (Kutta 1901): k1 = dy, k2 and k3 at h/2, k4 at h. */
+/* The classical method of order 4 (Kutta 1901), with k1 = dy = f(y):
+ *
+ *   k2 = f(y + h/2 k1),   k3 = f(y + h/2 k2),   k4 = f(y + h k3),
+ *   y(h) = y + h/6 (k1 + 2 k2 + 2 k3 + k4). */
 static inline int runge_kutta(const runner *r, const double *restrict y, const double *restrict dy,
                               double h, double *restrict out, double *restrict rate)
 {
@@ -244,6 +249,7 @@ static inline void midpoint(const runner *r, const double *restrict y, const dou
     double *increment_before = rate + r->size;
     double step = h / n;
     for (int64_t i = 0; i < r->size; i++) {
+        /* z_0 = 0, z_1 = step y'. */
         increment_before[i] = 0.0;
         increment[i] = step * dy[i];
     }
@@ -330,6 +336,7 @@ static inline void update_scales(runner *r, const double *restrict y, const doub
         largest_radius = fmax(largest_radius, p->radius[i]);
         smallest_radius = fmin(smallest_radius, p->radius[i]);
     }
+    /* length = max(|x|, R), speed = max(|v|, |h a|), over all components and bodies. */
     for (int64_t i = 0; i < 3 * n; i++) {
         r->length = fmax(r->length, fmax(fabs(y[i]), largest_radius));
         r->speed = fmax(r->speed, fmax(fabs(y[3 * n + i]), fabs(h * dy[3 * n + i])));
@@ -344,6 +351,7 @@ static inline void update_scales(runner *r, const double *restrict y, const doub
             inverse_mass = fmax(inverse_mass, p->inverse_mass[m.j]);
         r->speed = fmax(r->speed, fabs(h * m.force) * inverse_mass);
     }
+    /* turning = max(speed/R of the smallest sphere, |w|), way = speed |h|. */
     r->turning = fmax(r->turning, r->speed / smallest_radius);
     if (p->turning) {
         for (int64_t i = spin_at(p); i < spin_at(p) + 3 * n; i++)

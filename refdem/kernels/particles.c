@@ -145,6 +145,8 @@ static int dipping(const runner *r, const course *c, int64_t k, const double *ea
 static double lowest_of_guard(const runner *r, course *c, int64_t k, int kind, double h,
                               double *restrict value)
 {
+    /* golden = (sqrt(5) - 1)/2: the inner points are a = high - golden (high - low) and b = low +
+     * golden (high - low), and one of them is an inner point of the next interval too. */
     const double golden = 0.6180339887498949;
     double low = 0.0;
     double high = 1.0;
@@ -389,6 +391,7 @@ static void record(const runner *r, const double *restrict y, double *restrict c
             continue;
         if (p->hertz) /* the energy of its spring is not tracked: see Contact */
             continue;
+        /* |s| = mu F/k_t where it slips; where it sticks, s is the state of the spring. */
         double stretch = m.limit / p->tangential_stiffness;
         if (r->mode[k] == STICK)
             stretch = size(y + history_at(p) + 3 * k);
@@ -465,6 +468,7 @@ int refdem_particles_gear(const refdem_particles *p, int values, const double *c
         double *row = out + k * size;
         memset(row, 0, (size_t)size * sizeof *row);
         for (int64_t i = 0; i < coordinates; i++) {
+            /* Nordsieck's rows: r_0 = x, r_1 = h v. */
             row[i] = g.row[i];
             row[coordinates + i] = g.row[coordinates + i] / h;
         }

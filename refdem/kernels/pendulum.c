@@ -75,6 +75,8 @@ static plane plane_of(const double *restrict gravity, const dd *restrict rod,
 {
     plane p;
     dd down[3], length;
+    /* down = g/|g|, or r/|r| without gravity; across is the unit vector of r - (r.down) down, or of
+     * the same part of the velocity. */
     for (int i = 0; i < 3; i++)
         down[i] = dd_of(gravity[i]);
     length = length_of(down);
@@ -124,6 +126,7 @@ static void prepare(pendulum *b, dd s, dd c, dd omega, dd w0)
     b->sign = 1.0;
     /* Without gravity, or at rest at the bottom or the top. */
     if (w0.hi == 0.0 || (omega.hi == 0.0 && (sine.hi == 0.0 || cosine.hi == 0.0))) {
+        /* theta = theta0 + theta' t. */
         b->kind = TURNING;
         if (omega.hi == 0.0)
             b->kind = RESTING;
@@ -172,6 +175,7 @@ static inline void angles_at(const pendulum *restrict b, double t0, int count,
 {
     if (b->kind == RESTING || b->kind == TURNING) {
         for (int k = 0; k < count; k++) {
+            /* theta = theta0 + theta' (t - t0). */
             turned(dd_add(b->start, dd_mul(b->rate, two_sum(t[k], -t0))), &out->c[k], &out->s[k]);
             out->omega[k] = b->omega;
         }
@@ -179,7 +183,8 @@ static inline void angles_at(const pendulum *restrict b, double t0, int count,
     }
     jacobi_points p;
     jacobi_at(&b->j, b->phase, t0, count, t, &p);
-    /* sin(theta/2) = k sn and cos(theta/2) = dn where it swings, sn and cn where it rotates. */
+    /* S = sin(theta/2), C = cos(theta/2) and P = theta'/(2 w0) are k sn, dn and k cn where it
+     * swings, and sn, cn and k dn where it rotates. */
     const double *cosine_half = p.cn;
     const double *speed = p.dn;
     double modulus = 1.0;
@@ -259,6 +264,8 @@ int refdem_pendulum_prepare(double mass, double length, const double *gravity, c
         v[i] = dd_of(velocity[i]);
     }
     plane axes = plane_of(gravity, rod, v);
+    /* sin theta = r.across/|r|, cos theta = r.down/|r|, with r from the anchor to the point and |r|
+     * its length in the plane. */
     across = dd_dot(rod, axes.across);
     along = dd_dot(rod, axes.down);
     size = dd_sqrt(dd_add(dd_square(across), dd_square(along)));
@@ -267,6 +274,7 @@ int refdem_pendulum_prepare(double mass, double length, const double *gravity, c
     /* theta' = (v.across cos theta - v.down sin theta)/l. */
     dd omega = dd_div(dd_sub(dd_mul(dd_dot(v, axes.across), c), dd_mul(dd_dot(v, axes.down), s)),
                       dd_of(length));
+    /* w0 = sqrt(g/l). */
     dd g_vector[3] = {dd_of(gravity[0]), dd_of(gravity[1]), dd_of(gravity[2])};
     dd g = length_of(g_vector);
     prepare(&m->b, s, c, omega, dd_sqrt(dd_div(g, dd_of(length))));
@@ -296,6 +304,7 @@ static inline void restore_start(const run *m, int64_t first, int count)
             continue;
         memcpy(m->out_position + 3 * k, m->position, sizeof m->position);
         memcpy(m->out_velocity + 3 * k, m->velocity, sizeof m->velocity);
+        /* m (l theta'^2 + g cos theta). */
         m->out_force[k] = m->mass * (m->length * m->b.omega * m->b.omega + m->gravity * m->b.c);
     }
 }

@@ -33,6 +33,7 @@ static inline double sine_of_half_turns(double x)
     memcpy(&bits, &r, sizeof bits);
     bits ^= parity << 63;
     memcpy(&r, &bits, sizeof r);
+    /* sin(pi r)/pi = r + r z p(z), z = r^2, where p(z) begins with -pi^2/6 + pi^4/120 z. */
     p = fma(z, 2.459180384815939e-07, -6.972960555564221e-06);
     p = fma(z, p, 0.00014842817816693618);
     p = fma(z, p, -0.0023460809634923995);
@@ -90,6 +91,7 @@ int refdem_pendulum_ensemble(int stages, const double *weight, double square, do
         for (int64_t n = 0; n < steps; n++) {
             for (int s = 0; s < stages; s++)
                 for (int k = 0; k < count; k++) {
+                    /* a += d_s w,   w -= c_s h w0^2 sin(pi a)/pi. */
                     a[k] = fma(drift[s], w[k], a[k]);
                     w[k] = fma(-kick[s], sine_of_half_turns(a[k]), w[k]);
                 }

@@ -50,6 +50,7 @@ static inline void turn_about(spinning *b, int i, double rate)
     double c_minus_1 = c - 1.0;
     if (c > 0.0) /* without cancellation */
         c_minus_1 = -s * s / (1.0 + c);
+    /* sin(angle) = 2 s c and 1 - cos(angle) = 2 s^2. */
     double sine_angle = 2.0 * s * (1.0 + c_minus_1);
     double one_minus_cosine = 2.0 * s * s;
     double lj = b->l[j];
@@ -134,6 +135,7 @@ static precession precession_of(const spinning *b, double middle)
     double direction[3];
     precession p;
     for (int i = 0; i < 3; i++) {
+        /* w = l/J_m; the rate is |w|, and the axis in space is q (w/|w|) q*. */
         w[i] = dd_of(0.0); /* nothing turns without inertia */
         if (middle > 0.0)
             w[i] = dd_div(two_sum(b->l[i], b->l_low[i]), dd_of(middle));
@@ -176,6 +178,8 @@ int refdem_rigid_body_splitting(const double *inertia, const double *attitude, c
     begin(&b, inertia, attitude, omega);
     finish(&b, inertia, out_attitude, out_omega);
     find_extremes(inertia, &least, &most);
+    /* The angles of the turns are these rates times l_i: h (1/J_i - 1/J_m), with the axis i of the
+     * largest moment inside and that of the least one outside: U(h/2) W(h) U(h/2). */
     double middle = inertia[3 - least - most];
     double inner = rate_about(inertia[most], middle, h);
     double outer = rate_about(inertia[least], middle, h);
@@ -234,6 +238,7 @@ static inline void rk4_step(rates_of *rate, int count, double *restrict y, doubl
 /* Brings |q| back to 1: with excess e = (|q|^2 - 1)/2, q -= (e - 3/2 e^2) q. */
 static inline void restore_length(double *restrict q, double *restrict low)
 {
+    /* |q| = sqrt(1 + 2 e), so that 1/|q| = 1 - e + 3/2 e^2 up to e^3. */
     double excess = 0.5 * ((q[0] * q[0] + q[1] * q[1] - 1.0) + (q[2] * q[2] + q[3] * q[3]));
     for (int i = 0; i < 4; i++)
         add_compensated(&q[i], &low[i], -excess * (1.0 - 1.5 * excess) * q[i]);
@@ -314,6 +319,8 @@ static void angle_rates(const double *restrict y, const double *restrict per, do
 /* The attitude of angles in a frame: (1.76) to (1.79), then the turn of the frame into space. */
 static void angles_to_attitude(const double *restrict angle, int frame, double *restrict q)
 {
+    /* With S = (phi + psi)/2 and D = (phi - psi)/2: q = (cos(theta/2) cos S, sin(theta/2) cos D,
+     * sin(theta/2) sin D, cos(theta/2) sin S). */
     double half_sum = 0.5 * (angle[0] + angle[2]);
     double half_difference = 0.5 * (angle[0] - angle[2]);
     double cosine = cos(0.5 * angle[1]);
@@ -330,6 +337,8 @@ static void attitude_to_angles(const double *restrict q, int frame, double *rest
     double back[4] = {turn[0], -turn[1], -turn[2], -turn[3]};
     double p[4];
     quaternion_product(back, q, p);
+    /* With p = (cos(theta/2) cos S, sin(theta/2) cos D, sin(theta/2) sin D, cos(theta/2) sin S) in
+     * the frame, S = (phi + psi)/2 and D = (phi - psi)/2. */
     double half_sum = atan2(p[3], p[0]);
     double half_difference = atan2(p[2], p[1]);
     angle[0] = half_sum + half_difference;
@@ -391,7 +400,8 @@ int refdem_rigid_body_euler_angles(const double *inertia, const double *attitude
     return 0;
 }
 
-/* Rates of omega in body axes from Euler's equations, J_i w_i' = (J_j - J_k) w_j w_k. */
+/* Rates of omega in body axes from Euler's equations, J_i w_i' = (J_j - J_k) w_j w_k, with the
+ * factor w_j of `a` and the factor w_k of `b`. */
 static void body_rates(const double *restrict inertia, const double *restrict a,
                        const double *restrict b, double *restrict rate)
 {
@@ -435,6 +445,7 @@ static void fill_rows(gear *g, const double *restrict inertia, const spinning *b
     double w[MOST_VALUES][4] = {{0.0}};
     double q[MOST_VALUES][4] = {{0.0}};
     double term[4];
+    /* w_0 = J^-1 l and q_0 = q; row n is h^n q_n. */
     double power = 1.0;
     for (int i = 0; i < 3; i++)
         w[0][1 + i] = b->l[i] / inertia[i];
@@ -472,6 +483,8 @@ int refdem_rigid_body_gear(const double *inertia, const double *attitude, const 
     for (int64_t k = 1; k < samples; k++) {
         for (int64_t n = 0; n < stride; n++)
             gear_step(&g, h, quaternion_acceleration, moments);
+        /* Nordsieck's rows: r_0 = q, r_1 = h q'; then w = 2 q^-1 q', and omega = q w q* with
+         * q/|q|. */
         double dq[4], w[4];
         double *q = out_attitude + 4 * k;
         for (int i = 0; i < 4; i++) {

@@ -95,6 +95,7 @@ static inline double drift_rate_squared(const hanging *restrict m, const wide *r
 static inline double step_size(const hanging *restrict m, const wide *restrict r,
                                const wide *restrict v)
 {
+    /* 1/rho = max over n = ORDER - 1, ORDER of (max_i |r_n,i|/l)^(1/n), step = STEP_PART rho. */
     float inverse_radius = fmaxf(powf(largest(r + ORDER - 1, m->length), 1.0f / (ORDER - 1)),
                                  powf(largest(r + ORDER, m->length), 1.0f / ORDER));
     double step = STEP_PART / inverse_radius;
@@ -122,6 +123,7 @@ static inline void gained(const wide *restrict a, double time, wide *restrict ou
 static inline void hold(hanging *m)
 {
     double square = m->length * m->length;
+    /* excess = r.r - l^2; r -= excess/(2 l^2) r, v -= (r.v)/l^2 r. */
     dd excess = dd_sub(dd_dot(m->r, m->r), two_product(m->length, m->length));
     double r_factor = -0.5 * excess.hi / square;
     double v_factor = -dd_dot(m->r, m->v).hi / square;
@@ -189,6 +191,7 @@ int refdem_rod_taylor(double mass, double length, const double *gravity, const d
             memcpy(out_position + 3 * k, position, 3 * sizeof *position);
             memcpy(out_velocity + 3 * k, velocity, 3 * sizeof *velocity);
         }
+        /* Tension m l lambda = m (v.v + g.r)/l. */
         out_force[k] = mass * length * multiplier(&m, &place, &speed);
     }
     return 0;

@@ -206,6 +206,7 @@ static void expand(motion *m)
             for (int i = 0; i < 3; i++) {
                 int j = (i + 1) % 3;
                 int l = (i + 2) % 3;
+                /* sum F, and sum a x F in body axes. */
                 force[i] += contact->force[i][k];
                 torque[i] += arm[j] * contact->force[l][k] - arm[l] * contact->force[j][k];
             }
@@ -245,6 +246,7 @@ static double step_size(const motion *m)
     for (int k = ORDER - 1; k <= ORDER; k++) {
         double worst = 0.0;
         for (int block = 0; block < 3; block++) {
+            /* max_i |y_i,k|/max_i |y_i,0| in the block. */
             double scale = 0.0;
             double last = 0.0;
             for (int i = begins[block]; i < begins[block + 1]; i++) {
