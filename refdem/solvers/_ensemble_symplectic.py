@@ -21,6 +21,7 @@ from refdem.solvers.solver import Solver
 
 Array = NDArray[np.float64]
 FAMILY = "pendulum_ensemble"
+# The weights c_i of a whole step, both halves and the middle one, have the sum 1.
 WEIGHTS = {
     8: (
         0.13020248308889008088,
@@ -99,6 +100,8 @@ class EnsembleSymplectic(Solver):
         problem = request.problem
         assert isinstance(problem, Ensemble)
         frame = _Frame(problem.scene)
+        # Drifts theta += d_i theta', kicks theta' -= c_i h w0^2 sin(theta); 2 len(weights) - 1
+        # kicks.
         kernel = load(FAMILY).lib.refdem_pendulum_ensemble
         seconds = 0.0
         law = (2 * len(self.weights) - 1, pointer(FAMILY, self.weights), frame.square)

@@ -154,6 +154,7 @@ def middle(scene: Scene) -> Array:
     positions = scene.bodies.position[shapes]
     if not len(positions) or scene.all(CentralField):
         return ORIGIN
+    # The middle of the box around all centres, and its longest edge plus the largest radius.
     centre: Array = 0.5 * (positions.min(axis=0) + positions.max(axis=0))
     extent = float(np.ptp(positions, axis=0).max() + scene.bodies.radius[shapes].max())
     if np.abs(centre).max() > FAR * extent:
@@ -179,6 +180,7 @@ class Packed:
             self.pairs = pairs(scene)
         fields: dict[str, Any] = {
             "mass": bodies.mass,
+            # 1/m and 1/J are 0 for fixed bodies, which no force moves.
             "inverse_mass": np.where(bodies.fixed, 0.0, 1.0 / bodies.mass),
             "inverse_inertia": _turn_ease(bodies),
             "radius": bodies.radius,

@@ -80,6 +80,7 @@ def linear(problem: Ensemble, position: Array, velocity: Array) -> None:
     solver = next(
         solver for solver, _ in FLOWS[:2] if solver.unsupported(problem.motion(0)) is None
     )
+    # r = origin + x axis, v = x' axis.
     x0 = (problem.position[:, 0] - origin) @ axis
     v0 = problem.velocity[:, 0] @ axis
     # Amplitude of the unit motions, of the size of the starts, so that the differences from `rest`
@@ -130,6 +131,7 @@ def coulomb(problem: Ensemble, position: Array, velocity: Array) -> None:
         slider.normal_force,
         float(axis @ single.gravity(scene)),
     )
+    # r = anchor + x axis and v = x' axis; a row has x, x' and the work of friction.
     rows = np.empty((len(x0), len(t), 3))
     stop = np.empty(1)
     kernel = load("coulomb").lib.refdem_coulomb
@@ -167,6 +169,8 @@ def pendulum(problem: Ensemble, position: Array, velocity: Array) -> None:
     kernel = load("pendulum").lib.refdem_pendulum
     mass = float(scene.bodies.mass[0])
     start = float(t[0])
+    # Pointers count in doubles: a member has 3 of its start's position and velocity, 3 T of the
+    # positions and of the velocities, and T forces.
     for member in range(members):
         first_number = 3 * member
         first_row = 3 * count * member
@@ -224,6 +228,7 @@ def _misfit(problem: Ensemble) -> str | None:
         return "the spring has a length: the starts may lie on both sides of its anchor"
     origin, axis = _frame(problem)
     arms = np.concatenate((problem.position[:, 0] - origin, problem.velocity[:, 0]))
+    # The distance from the line: |a - (a . axis) axis|, of displacements and of velocities.
     off_line = np.linalg.norm(arms - (arms @ axis)[:, None] * axis, axis=1)
     # Dry friction acts along the slider's axis only.
     slider = next(iter(problem.scene.all(Slider)), None)

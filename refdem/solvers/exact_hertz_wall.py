@@ -108,6 +108,7 @@ class Impact:
         bodies = scene.bodies
         self.law = scene.all(Contact)[0]
         plane = scene.all(Plane)[0]
+        # n into the wall; d = R + (r - P) . n with the point P of the plane, and d' = v . n.
         self.n = -np.array(plane.normal)
         self.mass = float(bodies.mass[0])
         self.radius = float(bodies.radius[0])
@@ -206,7 +207,8 @@ class Impact:
         """The losses of slip velocity and slip distance with a tangential spring that is relaxed at
         first contact.
         """
-        # Units of the series: the speed at touch, and the greatest overlap.
+        # Units of the series: the speed at touch, and the greatest overlap. In these units p is the
+        # slip velocity and q the slip distance since touch.
         speed = self.rate
         at_turn, _ = self.normal(times[1:2])
         greatest_overlap = float(at_turn[0, 0])

@@ -157,6 +157,7 @@ class ExactRolling(SceneSolver):
         for phase in phases:
             within = elapsed >= phase.begin
             columns[:, within] = phase.after(elapsed[within] - phase.begin)
+        # r = r0 + way d, v = u d, omega = w a, q = (cos(angle/2), sin(angle/2) a) q0.
         way, speed, angle, spin, work = columns
         displacement = way[:, None, None] * rolled.direction
         turned = product(_turn(rolled.axis, angle), bodies.attitude[0])
@@ -189,7 +190,7 @@ def _events(phases: list[Phase], times: Array) -> tuple[Event, ...]:
 
 
 def _rolled(scene: Scene) -> Rolled:
-    """The numbers of the one body on the one plane."""
+    """The numbers of the one body on the one plane; f = J/(m R^2)."""
     load = _balance.pressed(scene)
     assert not isinstance(load, str)
     bodies = scene.bodies
@@ -212,6 +213,7 @@ def _phases(rolled: Rolled, scene: Scene) -> list[Phase]:
     bodies = scene.bodies
     speed = float(bodies.velocity[0] @ rolled.direction)
     spin = float(bodies.omega[0] @ rolled.axis)
+    # s = u - R w.
     slip = speed - rolled.radius * spin
     if abs(slip) <= SLACK * (abs(speed) + rolled.radius * abs(spin)):
         slip = 0.0
@@ -242,7 +244,9 @@ def _phase(
     slip_rate = 0.0
     if side:
         slip = state[1] - rolled.radius * state[3]
+        # s' = u' - R w'.
         slip_rate = acceleration - rolled.radius * spin_up
+    # The friction mu N = mu m g_n while it slides.
     rubbing = mass * rolled.friction * rolled.pressing
     return Phase(begin, side, state, (acceleration, spin_up), slip, slip_rate, rubbing)
 
@@ -252,12 +256,14 @@ def _direction(scene: Scene, load: _balance.Load) -> Array:
     along the velocity of the point of contact; any line of a level plane for a body at rest.
     """
     bodies = scene.bodies
+    # R omega x n = R w d: minus the velocity of the point of contact relative to the centre.
     across = bodies.radius[0] * np.cross(bodies.omega[0], load.normal)
     vectors = [bodies.velocity[0], across]
     # Gravity along a level plane that was rotated is round-off.
     if load.steepness > ASKEW:
         vectors.insert(0, load.along)
     for vector in vectors:
+        # v - (v . n) n.
         within = vector - (vector @ load.normal) * load.normal
         length = float(np.linalg.norm(within))
         if length > 0:

@@ -197,7 +197,9 @@ def _overlapping(scene: Scene) -> str | None:
     i, j = near_pairs(position, 2 * float(bodies.radius.max()), period)
     branch = position[j] - position[i]
     if period:
+        # The nearest image: b -= L round(b/L), with the period L.
         branch -= period * np.rint(branch / period)
+    # They overlap if |r_j - r_i| < R_i + R_j.
     apart = np.linalg.norm(branch, axis=1)
     reach = bodies.radius[i] + bodies.radius[j]
     deep = np.flatnonzero(apart < reach * (1 - ROUNDED))
@@ -205,6 +207,7 @@ def _overlapping(scene: Scene) -> str | None:
         first, second = sorted((int(i[deep[0]]), int(j[deep[0]])))
         return f"body {first} overlaps body {second} at the start"
     for plane in scene.all(Plane):
+        # The height (r - P) . n of a centre over the plane, which must be R at least.
         height = (position - np.array(plane.point)) @ np.array(plane.normal)
         behind = (height < bodies.radius * (1 - ROUNDED)) & ~bodies.fixed
         if np.any(behind):

@@ -32,7 +32,7 @@ ASKEW = 1e-15
 rotated.
 """
 COLUMNS = 12
-"""Length of a row: d, d', u, angle of the line, 2 spins, 2 angles of rotation, work, contacts,
+"""Length of a row: d, d', q, angle of the line, 2 spins, 2 angles of rotation, work, contacts,
 force, dissipated work.
 """
 
@@ -139,6 +139,7 @@ def frame(scene: Scene) -> Array:
     line = bodies.position[1] - bodies.position[0]
     relative = bodies.velocity[1] - bodies.velocity[0]
     along = line / np.linalg.norm(line)
+    # v - (v . e1) e1.
     across = relative - (relative @ along) * along
     if np.linalg.norm(across) <= ASKEW * np.linalg.norm(relative):
         # Head-on: the motion stays in the plane normal to the spins. Without spins any plane
@@ -162,7 +163,7 @@ def initial_state(scene: Scene, axes: Array) -> Array:
     overlap = contact_distance - float(np.linalg.norm(bodies.position[1] - bodies.position[0]))
     if abs(overlap) <= ROUNDED * contact_distance:
         overlap = 0.0
-    # d' = -v . along, with the velocity v of the second sphere relative to the first.
+    # d' = -v . e1 and q = v . e2, with the velocity v of the second sphere relative to the first.
     rate = -(relative @ axes[0])
     transverse = relative @ axes[1]
     spins = bodies.omega @ axes[2]
@@ -207,14 +208,17 @@ def _trajectory(
     """
     bodies = scene.bodies
     overlap, rate, transverse, angle = rows[:, :4].T
+    # along = cos(angle) e1 + sin(angle) e2, across = -sin(angle) e1 + cos(angle) e2.
     along = np.stack([np.cos(angle), np.sin(angle)], axis=-1) @ axes[:2]
     across = np.stack([-np.sin(angle), np.cos(angle)], axis=-1) @ axes[:2]
     line = bodies.position[1] - bodies.position[0]
     total_mass = bodies.mass.sum()
-    # The branch vector is (R1 + R2 - d) along; its time derivative u across - d' along.
+    # The branch vector is b = (R1 + R2 - d) along; its time derivative q across - d' along, with
+    # the transverse velocity q. `branch_change` is b - b(0).
     branch_change = (bodies.radius.sum() - overlap)[:, None] * along - line
     relative = transverse[:, None] * across - rate[:, None] * along
-    # r_1 = r_c - m2/(m1 + m2) b and r_2 = r_c + m1/(m1 + m2) b with the branch vector b.
+    # r_1 = r_c - m2/(m1 + m2) b and r_2 = r_c + m1/(m1 + m2) b, where the centre of mass is at
+    # r_c = r_c(0) + v_c t.
     share = np.array([-bodies.mass[1], bodies.mass[0]])[:, None] / total_mass
     centre_velocity = bodies.mass @ bodies.velocity / total_mass
     position = (
@@ -223,6 +227,7 @@ def _trajectory(
         + branch_change[:, None] * share
     )
     velocity = centre_velocity + relative[:, None] * share
+    # q = (cos(angle/2), sin(angle/2) e3) q0, for the angle by which each sphere has turned.
     half_angle = 0.5 * rows[:, 6:8, None]
     rotation = np.concatenate([np.cos(half_angle), np.sin(half_angle) * axes[2]], axis=-1)
     columns = {

@@ -126,19 +126,24 @@ ANSWERS: dict[str, Callable[..., Any]] = {
     "vector-difference": np.subtract,
     "vector-dot": np.dot,
     "cross": np.cross,
+    # Lagrange's identity: |v x w|^2 = (v . v)(w . w) - (v . w)^2.
     "cross-square": lambda v, w: (v @ v) * (w @ w) - (v @ w) ** 2,
     "rejection": lambda a, b: rejection(tuple(a), tuple(b)),
     "length": lambda v: math.hypot(*v),
+    # R(a) v, or exp(i a) (x + i y); the eigenvalues of R are exp(+-i a), its determinant is 1.
     "plane-turn": lambda angle, v: plane(angle) @ v,
     "complex-turn": lambda angle, v: real_and_imaginary(np.exp(1j * angle[0]) * complex(*v)),
     "plane-eigenvalue": lambda angle: upper_eigenvalue(np.linalg.eigvals(plane(angle))),
     "plane-determinant": lambda angle: np.linalg.det(plane(angle)),
+    # The reflection R(2 a) diag(1, -1), with the determinant -1.
     "mirror": lambda angle, v: mirror(angle) @ v,
     "mirror-determinant": lambda angle: np.linalg.det(mirror(angle)),
+    # cos(n a) in two ways, and cos(a) cos(b) = (cos(a - b) + cos(a + b))/2.
     "cosine-by-recurrence": lambda angle, n: cosine_by_recurrence(angle[0], int(n[0])),
     "cosine-by-powers": lambda angle, n: cosine_by_powers(angle[0], int(n[0])),
     "cosine-product": lambda a, b: cosine_product(a[0], b[0]),
     "cosines-mixed": lambda a, b: cosines_mixed(a[0], b[0]),
+    # Matrices (3, 3), given as nine numbers row by row.
     "turn-about": turn,
     "matrix-product": lambda m, n: square(m) @ square(n),
     "matrix-difference": np.subtract,
@@ -146,17 +151,24 @@ ANSWERS: dict[str, Callable[..., Any]] = {
     "transpose": lambda m: square(m).T,
     "determinant": lambda m: np.linalg.det(square(m)),
     "turn-angle": lambda m: turn_angle(square(m)),
+    # (1 + [v]) M, M^T M - 1, U V^T of M = U S V^T, and the dimension of the rates that leave M^T M
+    # constant.
     "first-order-turn": lambda m, v: rotation.first_order_turn(square(m), v),
     "orthogonality": lambda m: rotation.orthogonality(square(m)),
     "nearest-turn": lambda m: rotation.nearest_turn(square(m)),
     "orthogonal-freedom": lambda m: freedom.orthogonal_freedom(square(m)),
+    # Quaternions (w, x, y, z): (cos(a/2), sin(a/2) axis). The product p q is also that of the real
+    # matrix (4, 4) of p with q, and that of the complex matrices (2, 2).
     "quaternion-about": lambda axis, angle: rotation.about_axis_quaternion(axis, angle[0]),
     "product": product,
     "real-product": lambda p, q: rotation.real_matrix(p) @ q,
     "complex-product": complex_product,
+    # The complex matrix of q = (w, v) has the eigenvalues w +- i |v|, the Pauli matrix of v has
+    # +-|v|.
     "complex-eigenvalue": lambda q: upper_eigenvalue(np.linalg.eigvals(rotation.complex_matrix(q))),
     "pauli-eigenvalues": lambda v: falling(np.linalg.eigvals(rotation.pauli_matrix(v))),
     "conjugate": conjugate,
+    # q^-1 = q*/|q|^2.
     "inverse": lambda q: conjugate(q) / (q @ q),
     "absolute": np.linalg.norm,
     "unit": lambda q: q / np.linalg.norm(q),
@@ -170,18 +182,24 @@ ANSWERS: dict[str, Callable[..., Any]] = {
     "euler-rates": lambda euler, omega: rotation.euler_rates(euler[0], euler[1], omega),
     "euler-rate-matrix": lambda euler: rotation.euler_rate_matrix(euler[0], euler[1]),
     "euler-rate-inverse": lambda euler: rotation.euler_rate_inverse(euler[0], euler[1]),
+    # q' = omega q/2 with omega in space axes; q'' = (omega' q + omega q')/2, where `rise` is
+    # omega'.
     "rate": rotation.quaternion_rate,
     "second-rate": (
         lambda q, omega, rise: (
             (product(pure(rise), q) + product(pure(omega), rotation.quaternion_rate(q, omega))) / 2
         )
     ),
+    # omega = 2 q' q* in space axes, 2 q* q' in body axes.
     "omega-of-rate": lambda q, rate: 2 * product(rate, conjugate(q))[1:],
     "body-omega-of-rate": lambda q, rate: 2 * product(conjugate(q), rate)[1:],
+    # About a principal axis: J omega^2/2, L = J omega, and L^2/(2 J).
     "rotation-energy": lambda inertia, omega: inertia * omega**2 / 2,
     "spin-momentum": np.multiply,
     "momentum-energy": lambda momentum, inertia: momentum**2 / (2 * inertia),
     "principal-moments": lambda m: mass_properties.principal_moments(square(m)),
+    # Koenig: sum m v^2/2 = M V^2/2 + sum m |v - V|^2/2, with the velocity V of the centre R, and
+    # sum m r x v = M R x V + sum m (r - R) x (v - V).
     "points-energy": lambda m, v: koenig.energy(m, vectors(v)),
     "centre-energy": lambda m, v: koenig.energy_of_centre(m, vectors(v)),
     "energy-about-centre": lambda m, v: koenig.energy_about_centre(m, vectors(v)),
@@ -192,16 +210,21 @@ ANSWERS: dict[str, Callable[..., Any]] = {
     "angular-momentum-about-centre": (
         lambda m, r, v: koenig.angular_momentum_about_centre(m, vectors(r), vectors(v))
     ),
+    # sum m |omega x r|^2/2 = omega . J omega/2.
     "swept-energy": lambda m, r, omega: koenig.swept_energy(m, vectors(r), omega),
     "tensor-energy": lambda m, r, omega: koenig.tensor_energy(m, vectors(r), omega),
+    # N D - rank of the Jacobian of the rods' lengths; `size` (1,) is the dimension D.
     "first-order-freedom": lambda size, x, rods: freedom.first_order_freedom(
         x.reshape(-1, int(size[0])), pairs(rods)
     ),
     "rigid-freedom": lambda size, x: freedom.rigid_freedom(x.reshape(-1, int(size[0]))),
+    # Harmonic balance of Duffing's oscillator; `spring` is (alpha, beta, delta).
     "balanced-drives": balanced_drives,
     "balanced-forces": balanced_forces,
     "lower-fold": lambda spring, force: fold("lower", spring, force),
     "upper-fold": lambda spring, force: fold("upper", spring, force),
+    # The map x -> eta x (1 - x): the share 2/pi asin(sqrt x) of its iterates below x at eta = 4, the
+    # two iterates of the cycle of period 2, and the eta of the next doubling.
     "share-below": lambda x: share_below(x[0]),
     "two-cycle": lambda eta: two_cycle(eta[0]),
     "belt-strobe": _belt_points.strobe,

@@ -73,6 +73,7 @@ class SpinningTop(KernelSolver):
         scene = request.problem.scene
         t = request.problem.times
         bodies = scene.bodies
+        # w = R^T omega.
         omega_body = rotated(conjugate(bodies.attitude[0]), bodies.omega[0])
         states = np.empty((len(t), 7))
         states[0] = np.concatenate([bodies.attitude[0], omega_body])
@@ -129,6 +130,7 @@ def _misfit(scene: Scene) -> str | None:
     arm = rotated(bodies.attitude[0], -np.array(joint.anchor_a))
     arm_length = float(np.linalg.norm(arm))
     speed = float(np.linalg.norm(bodies.omega[0]))
+    # |r - R arm - joint| and |v - omega x R arm|.
     gap = np.linalg.norm(bodies.position[0] - arm - single.anchor(joint))
     if gap > FITS * (arm_length + np.linalg.norm(joint.anchor_b)):
         return "the joint is open at the start"

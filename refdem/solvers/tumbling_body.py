@@ -112,6 +112,7 @@ class TumblingBody(KernelSolver):
             )
         # A row: attitude (4), omega (3) and velocity (3) in body axes, position (3), work (1).
         event_rows, channel_rows, states = call.outputs
+        # v = R V and omega in space axes R w, with the rotation matrix R of q/|q|.
         attitude = states[:, :4] / np.linalg.norm(states[:, :4], axis=1, keepdims=True)
         columns = {
             "position": states[:, 10:13],
@@ -152,6 +153,7 @@ def _call(problem: Problem) -> KernelCall:
     scene = problem.scene
     t = problem.times
     bodies = scene.bodies
+    # w = R^T omega and V = R^T v.
     to_body = conjugate(bodies.attitude[0])
     omega_body = rotated(to_body, bodies.omega[0])
     velocity_body = rotated(to_body, bodies.velocity[0])
