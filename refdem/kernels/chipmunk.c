@@ -138,6 +138,7 @@ double refdem_chipmunk_spring(void *constraint, double distance)
     const void *row = f->number + NUMBERS * k;
     if (f->kind[k] == SPRING) {
         const spring_row *p = row;
+        /* The pull at the stretch |d| - l, with the opposite sign. */
         return -spring_pull(p, distance - p->length);
     }
     const contact_row *p = row;

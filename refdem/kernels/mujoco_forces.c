@@ -34,6 +34,7 @@ static void callback(const void *model, void *data)
         const int64_t *column = f->column + COLUMNS * k;
         double place[3], velocity[3], force[3];
         for (int i = 0; i < 3; i++) {
+            /* r_a - r_b and v_a - v_b; a column < 0 is the world, at 0. */
             place[i] = at(f->q, column[i]) - at(f->q, column[6 + i]);
             velocity[i] = at(f->v, column[3 + i]) - at(f->v, column[9 + i]);
         }

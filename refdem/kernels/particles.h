@@ -79,17 +79,20 @@ static inline void measure_geometry(const refdem_particles *p, int64_t k, const 
             m->velocity[c] = v[3 * i + c];
             separation[c] = x[3 * i + c] - plane[c];
         }
+        /* d = R_i + (x_i - P).n, with the point P of the plane and n = -n_plane. */
         m->overlap = p->radius[i] + dot(separation, m->n);
     } else {
         for (int c = 0; c < 3; c++) {
             separation[c] = x[3 * j + c] - x[3 * i + c];
             m->velocity[c] = v[3 * i + c] - v[3 * j + c];
         }
+        /* n = (x_j - x_i)/|x_j - x_i|, d = R_i + R_j - |x_j - x_i|. */
         distance = sqrt(dot(separation, separation));
         for (int c = 0; c < 3; c++)
             m->n[c] = separation[c] / distance;
         m->overlap = (p->radius[i] + p->radius[j]) - distance;
     }
+    /* d' = (v_i - v_j).n, n' = (d' n - (v_i - v_j))/|x_j - x_i|. */
     m->rate = dot(m->velocity, m->n);
     for (int c = 0; c < 3; c++)
         m->normal_rate[c] = (m->rate * m->n[c] - m->velocity[c]) / distance;
@@ -131,6 +134,8 @@ static inline contact measure(const refdem_particles *p, int64_t k, const double
     m.limit = p->friction * m.force;
     if (p->friction > 0.0) {
         const double *omega = y + spin_at(p);
+        /* Levers: l = R - slip_shortening d of the slip, L = R - torque_shortening d of the
+         * torque. */
         m.arm_i = p->radius[m.i] - p->slip_shortening * m.overlap;
         m.torque_i = p->radius[m.i] - p->torque_shortening * m.overlap;
         m.arm_j = 0.0;

@@ -111,6 +111,8 @@ static void sizes(const chain *p, series *y, double *scale)
     for (int i = 0; i < p->n; i++)
         rate = fmax(rate, fabs(y[p->n + i][0]));
     rate += p->outer_rate;
+    /* rate = max |th_i'| + outer_rate, speed = (l_1 + .. + l_N) rate; the work over mu_1
+     * speed^2. */
     double speed = p->reach * rate;
     for (int i = 0; i < p->n; i++) {
         scale[i] = 1.0;
@@ -138,6 +140,9 @@ static void expand(const void *system, dd time, series *y, double *scale)
         }
         for (int i = 0; i < n; i++) {
             for (int j = 0; j < n; j++) {
+                /* A_ij = mu l_i l_j (cos th_i cos th_j + sin th_i sin th_j), B_ij = mu l_i l_j
+                 * (sin th_i cos th_j - cos th_i sin th_j), mu of max(i, j); A_ii = mu_i l_i^2,
+                 * B_ii = 0. */
                 double weight = coupling(p, i, j);
                 if (i != j) { /* weight cos and sin of the angle between the rods */
                     a_matrix[i][j][k]
@@ -153,6 +158,7 @@ static void expand(const void *system, dd time, series *y, double *scale)
             }
         }
         for (int i = 0; i < n; i++) {
+            /* mu_i l_i G.(cos th_i, sin th_i). */
             right_side[i] = p->load[i] * p->length[i]
                             * (cauchy(g[0], cosine[i], k) + cauchy(g[1], sine[i], k));
             /* - B th'^2, and - A th'' but for A_0 of this order. */
@@ -172,7 +178,8 @@ static void expand(const void *system, dd time, series *y, double *scale)
             y[i][k + 1] = y[n + i][k] / (k + 1);
             y[n + i][k + 1] = right_side[i] / (k + 1);
         }
-        /* The work of the pivot: F.pivot'. */
+        /* The work of the pivot, W' = F.pivot', with
+         *   F = sum mu_i l_i (th'' cos th - th'^2 sin th, th'' sin th + th'^2 cos th) - mu_1 G. */
         for (int axis = 0; axis < 2; axis++)
             pivot_force[axis][k] = -p->load[0] * g[axis][k];
         for (int i = 0; i < n; i++) {
@@ -205,6 +212,7 @@ int refdem_rod_chain(int64_t rods, const double *length, const double *aim, cons
     if (rods < 1 || rods > MOST) /* there is no room for them */
         return 1;
     for (int i = p.n - 1; i >= 0; i--) {
+        /* mu_i = m_i + .. + m_N. */
         load += mass[i];
         p.load[i] = load;
         p.reach += length[i];
@@ -214,6 +222,7 @@ int refdem_rod_chain(int64_t rods, const double *length, const double *aim, cons
         p.gravity[axis] = gravity[axis];
         p.drive[axis] = drive[axis];
     }
+    /* outer_rate = sqrt(|g|/l) + |drive| |Omega|/l of the shortest rod. */
     double pull = hypot(gravity[0], gravity[1]);
     double pivot_speed = hypot(drive[0], drive[1]) * fabs(frequency);
     p.outer_rate = sqrt(pull / shortest) + pivot_speed / shortest;

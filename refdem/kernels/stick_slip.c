@@ -127,6 +127,7 @@ int refdem_stick_slip_section(const refdem_belt *p, int64_t n, const double *fre
             accept(&driven, &m, &y);
             change_mode(&driven, &m, &y);
             if (m.has_tangent) {
+                /* log |(dx, du)| of the segment, and (dx, du) back to length 1. */
                 double growth = fmax(hypot(m.tangent[0], m.tangent[1]), 1e-300);
                 m.tangent[0] /= growth;
                 m.tangent[1] /= growth;

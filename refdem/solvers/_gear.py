@@ -102,6 +102,7 @@ class GearPoints(KernelSolver):
         """Positions and velocities at the samples; attitudes stay constant."""
         times = request.problem.times
         bodies = request.problem.scene.bodies
+        # A row: the positions of all bodies (3 N), then their velocities (3 N).
         _, states = call.outputs
         shape = (len(times), len(bodies), 3)
         coordinates = 3 * len(bodies)

@@ -55,6 +55,8 @@ class ExactLinear(KernelSolver):
 
     def prepare(self, request: Request) -> KernelCall:
         """The law and the start along the line; rows for x and v."""
+        # m x'' + d x' + k x = weight + sum of F cos(w t + phase), with x = 0 where the spring is
+        # relaxed.
         line = _line.line_of(request.problem.scene)
         law = {
             "mass": line.mass,

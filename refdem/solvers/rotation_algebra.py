@@ -223,8 +223,8 @@ ANSWERS: dict[str, Callable[..., Any]] = {
     "balanced-forces": balanced_forces,
     "lower-fold": lambda spring, force: fold("lower", spring, force),
     "upper-fold": lambda spring, force: fold("upper", spring, force),
-    # The map x -> eta x (1 - x): the share 2/pi asin(sqrt x) of its iterates below x at eta = 4, the
-    # two iterates of the cycle of period 2, and the eta of the next doubling.
+    # The map x -> eta x (1 - x): the share 2/pi asin(sqrt x) of its iterates below x at eta = 4,
+    # the two iterates of the cycle of period 2, and the eta of the next doubling.
     "share-below": lambda x: share_below(x[0]),
     "two-cycle": lambda eta: two_cycle(eta[0]),
     "belt-strobe": _belt_points.strobe,

@@ -76,6 +76,7 @@ class StickSlip(KernelSolver):
         scene = request.problem.scene
         bodies = scene.bodies
         t = request.problem.times
+        # x in metres, time t/unit, and so velocities v unit [m per unit].
         unit = law_time_unit(scene)
         axis = np.array(scene.all(Slider)[0].axis)
         x0 = float(axis @ (bodies.position[0] - single.anchor(scene.all(Spring)[0])))
