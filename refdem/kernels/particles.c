@@ -203,6 +203,8 @@ static int locate(const runner *r, course *c, double h, double *fraction, int64_
         if (looks_inside)
             dips = dipping(r, c, k, early, late, value);
         for (int g = 0; g < GUARDS; g++) {
+            /* The guard fails at x = 1, or at its minimum inside the step; then x solves g(step(y,
+             * x h)) = 0, and the least x of all pairs and guards is kept. */
             double end = 1.0;
             double last = value[g];
             if (!(last < -SLACK) && (dips >> g & 1)) {
