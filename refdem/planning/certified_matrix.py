@@ -10,7 +10,7 @@ from refdem.core.case import Instance
 from refdem.core.check import CertifiedMatrix, Subject
 from refdem.core.engine import Method
 from refdem.core.scene_numbers import keys_of, known_rates
-from refdem.truth.sensitivities import numbers_of, sensitivities
+from refdem.truth.sensitivities import numbers_of, sensitivities_at
 
 DIGITS = 17
 """Digits of the certified derivatives, which are compared with doubles."""
@@ -33,8 +33,8 @@ def _proved(case: str, given: Given, times: tuple[float, ...]) -> CertifiedMatri
     instance = discovery.case(case).at(**dict(given))
     p = instance.case.written_out(instance.p)
     of = []
-    for t in times:
-        found = sensitivities(instance.case.truth, p, Fraction(t), DIGITS)
+    exact_times = [Fraction(t) for t in times]
+    for found in sensitivities_at(instance.case.truth, p, exact_times, DIGITS):
         rows = {}
         for quantity, by_number in found.of.items():
             rows[quantity] = {name: ball.rounded() for name, ball in by_number.items()}

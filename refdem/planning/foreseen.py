@@ -11,7 +11,7 @@ such threshold, over samples, quantities and checks, is the resolution.
 Hypotheses, and where each is checked:
 
 * the derivatives exist. They do not where the kind of motion changes at the parameter.
-  `sensitivities` encloses them, and `missing` lists those that do not exist;
+  `sensitivities_at` encloses them, and `missing` lists those that do not exist;
 * a run is displaced as the true motion is, to first order. This holds for a converging run and
   small a: `SMALL`.
 
@@ -46,7 +46,7 @@ from refdem.planning.in_process import record_of, truth_of
 from refdem.planning.plan import Task
 from refdem.planning.resolution import FIRST, LEAST, Trial, checks_of_plain_runs, threshold
 from refdem.planning.specification import Specification
-from refdem.truth.sensitivities import Number, at_times, numbers_of, sensitivities
+from refdem.truth.sensitivities import Number, at_times, numbers_of, sensitivities_at
 
 DIGITS = 17
 """Decimal places of the derivatives."""
@@ -184,7 +184,8 @@ class Slopes:
         samples = np.unique(spread.astype(int))
         times = [Fraction(float(instance.times[sample])) for sample in samples]
         # The derivatives at the last time are enclosed to find the numbers that have none.
-        missing = frozenset(sensitivities(make, p, times[-1], DIGITS).missing)
+        (at_last,) = sensitivities_at(make, p, times[-1:], DIGITS)
+        missing = frozenset(at_last.missing)
         found = at_times(make, p, numbers, times, DIGITS)
         by_number: dict[str, dict[str, Array]] = {}
         for place, number in enumerate(numbers):

@@ -12,7 +12,7 @@ Hypotheses, and where each is checked:
 """
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from fractions import Fraction
 from math import ceil
 from typing import Protocol, Self, runtime_checkable
@@ -109,7 +109,7 @@ class Beside:
 class Sensitivities:
     """Derivatives at one time: `of[quantity][number]` is a ball [unit of the quantity over that of
     the number]. `missing` has the reason for each number by which there is no derivative, `beside`
-    the derivatives just below and just above the value of that number.
+    the derivatives just below and just above the value of that number, where they are asked for.
     """
 
     t: Fraction
@@ -139,19 +139,34 @@ def sensitivities(
 
     Raises NotCertifiedError where derivatives cannot be proved.
     """
-    numbers = list(numbers_of(p))
-    derivatives = by_formula(make, p, numbers, t, digits)
-    missing = unbracketed(derivatives, make, p, numbers, t)
-    of: dict[str, dict[str, Ball]] = {}
-    for quantity, slopes in derivatives.items():
-        by_number = zip(numbers, slopes, strict=True)
-        of[quantity] = {one.name: slope for one, slope in by_number if one.name not in missing}
+    (found,) = sensitivities_at(make, p, [t], digits)
     beside = {
         number.name: list(on_either_side(make, p, number, t, digits))
-        for number in numbers
-        if number.name in missing
+        for number in numbers_of(p)
+        if number.name in found.missing
     }
-    return Sensitivities(t, of, missing, beside)
+    return replace(found, beside=beside)
+
+
+def sensitivities_at(
+    make: Callable[[Parameters], Truth], p: Parameters, times: Sequence[Fraction], digits: int
+) -> list[Sensitivities]:
+    """The same at several times [s], without those `beside` a number: every motion is followed once
+    for all times.
+    """
+    numbers = list(numbers_of(p))
+    derivatives = at_times(make, p, numbers, times, digits)
+    missing = unbracketed(derivatives, make, p, numbers, times)
+    found = []
+    for t, of_time, missing_then in zip(times, derivatives, missing, strict=True):
+        of: dict[str, dict[str, Ball]] = {}
+        for quantity, slopes in of_time.items():
+            by_number = zip(numbers, slopes, strict=True)
+            of[quantity] = {
+                one.name: slope for one, slope in by_number if one.name not in missing_then
+            }
+        found.append(Sensitivities(t, of, missing_then, {}))
+    return found
 
 
 def by_formula(
@@ -211,7 +226,8 @@ def on_either_side(
         try:
             there = number.set_in(p, place)
             derivatives = by_formula(make, there, [number], t, digits)
-            reason = disagreement(derivatives, make, there, [number], Direction({number: side}), t)
+            direction = Direction({number: side})
+            (reason,) = disagreements([derivatives], make, there, [number], direction, [t])
         except (RefdemError, ValueError, ArithmeticError):
             continue
         if reason is None:
@@ -246,54 +262,78 @@ class Direction:
 
 
 def unbracketed(
-    derivatives: Derivatives,
+    derivatives: Sequence[Derivatives],
     make: Callable[[Parameters], Truth],
     p: Parameters,
     numbers: Sequence[Number],
-    t: Fraction,
-) -> dict[str, str]:
-    """The numbers to whose derivatives differences of certified values do not tend as their
-    distance falls, each with the observed limit.
+    times: Sequence[Fraction],
+) -> list[dict[str, str]]:
+    """At each time, the numbers to whose derivatives differences of certified values do not tend as
+    their distance falls, each with the observed limit.
 
     All numbers are moved at once, each by its own part; where that does not agree, they are moved
     one by one.
     """
+    missing: list[dict[str, str]] = [{} for _ in times]
     if not numbers:
-        return {}
+        return missing
     steps = {}
     for k, number in enumerate(numbers):
         # No two numbers by the same part of themselves, so that errors do not cancel.
         steps[number] = (abs(number.of(p)) or Fraction(1)) * (1 + Fraction(k, 7 + len(numbers)))
     together = Direction(steps)
-    if disagreement(derivatives, make, p, numbers, together, t) is None:
-        return {}
-    missing = {}
+    reasons = disagreements(derivatives, make, p, numbers, together, times)
+    unclear = [place for place, reason in enumerate(reasons) if reason is not None]
+    if not unclear:
+        return missing
+    derivatives_there = [derivatives[place] for place in unclear]
+    times_there = [times[place] for place in unclear]
     for number, step in steps.items():
         alone = Direction({number: step})
-        reason = disagreement(derivatives, make, p, numbers, alone, t)
-        if reason is not None:
-            missing[number.name] = reason
+        of_number = disagreements(derivatives_there, make, p, numbers, alone, times_there)
+        for place, reason in zip(unclear, of_number, strict=True):
+            if reason is not None:
+                missing[place][number.name] = reason
     return missing
 
 
-def disagreement(
-    derivatives: Derivatives,
+def disagreements(
+    derivatives: Sequence[Derivatives],
     make: Callable[[Parameters], Truth],
     p: Parameters,
     numbers: Sequence[Number],
     direction: Direction,
-    t: Fraction,
-) -> str | None:
-    """None if differences in a direction tend to the derivative in it, else the observed limit."""
-    expected_of = {
-        quantity: direction.derivative(dict(zip(numbers, slopes, strict=True)))
-        for quantity, slopes in derivatives.items()
-    }
-    growth = max([1, *(ceil(abs(ball.mid)) for ball in expected_of.values())])
+    times: Sequence[Fraction],
+) -> list[str | None]:
+    """At each time, None if differences in a direction tend to the derivative in it, else the
+    observed limit.
+    """
+    expected_at = []
+    growth = 1
+    for of_time in derivatives:
+        expected_of = {
+            quantity: direction.derivative(dict(zip(numbers, slopes, strict=True)))
+            for quantity, slopes in of_time.items()
+        }
+        expected_at.append(expected_of)
+        growth = max([growth, *(ceil(abs(ball.mid)) for ball in expected_of.values())])
     distance = DISTANCE / growth
     digits = DIGITS + growth.bit_length() // 3
-    far = quotients(make, p, direction, t, distance, digits)
-    near = quotients(make, p, direction, t, distance / 2, digits)
+    far = Differences(make, p, direction, distance, digits)
+    near = Differences(make, p, direction, distance / 2, digits)
+    return [
+        disagreement(expected_of, direction, far.quotients(t), near.quotients(t))
+        for t, expected_of in zip(times, expected_at, strict=True)
+    ]
+
+
+def disagreement(
+    expected_of: Mapping[str, Ball],
+    direction: Direction,
+    far: Mapping[str, Ball] | None,
+    near: Mapping[str, Ball] | None,
+) -> str | None:
+    """None if quotients at two distances tend to what is expected, else the observed limit."""
     if far is None or near is None:
         return "no motion beside it is certified"
     for quantity, expected in expected_of.items():
@@ -313,34 +353,54 @@ def disagreement(
     return None
 
 
-def quotients(
-    make: Callable[[Parameters], Truth],
-    p: Parameters,
-    direction: Direction,
-    t: Fraction,
-    distance: Fraction,
-    digits: int,
-) -> dict[str, Ball] | None:
-    """Differences of values that are certified to some digits, over their distance in a direction:
-    between both sides, or to one side where the other has no motion; None where neither has.
+class Differences:
+    """Differences of values that are certified to some digits, over their distance in a direction;
+    the truth at each place is made once, and keeps what it has integrated.
     """
-    sides: list[tuple[Fraction, Mapping[str, Ball]]] = []
-    for place in (distance, -distance, Fraction(0)):
-        try:
-            balls = make(direction.moved(p, place)).refined(digits).at(t)
-        except (RefdemError, ValueError, ArithmeticError):
-            continue
-        sides.append((place, balls))
-        if len(sides) == 2:
-            break
-    if len(sides) < 2:
-        return None
-    (upper, above), (lower, below) = sides
-    width = upper - lower
-    quotients = {}
-    for name in above.keys() & below.keys():
-        ball = above[name]
-        other = below[name]
-        radius = (ball.radius + other.radius) / abs(width)
-        quotients[name] = Ball((ball.mid - other.mid) / width, radius)
-    return quotients
+
+    def __init__(
+        self,
+        make: Callable[[Parameters], Truth],
+        p: Parameters,
+        direction: Direction,
+        distance: Fraction,
+        digits: int,
+    ) -> None:
+        self.make = make
+        self.p = p
+        self.direction = direction
+        self.distance = distance
+        self.digits = digits
+        self.truths: dict[Fraction, Truth] = {}
+
+    def truth(self, place: Fraction) -> Truth:
+        """The truth at a distance in the direction."""
+        if place not in self.truths:
+            truth = self.make(self.direction.moved(self.p, place))
+            self.truths[place] = truth.refined(self.digits)
+        return self.truths[place]
+
+    def quotients(self, t: Fraction) -> dict[str, Ball] | None:
+        """The quotients at t between both sides, or to one side where the other has no motion; None
+        where neither has.
+        """
+        sides: list[tuple[Fraction, Mapping[str, Ball]]] = []
+        for place in (self.distance, -self.distance, Fraction(0)):
+            try:
+                balls = self.truth(place).at(t)
+            except (RefdemError, ValueError, ArithmeticError):
+                continue
+            sides.append((place, balls))
+            if len(sides) == 2:
+                break
+        if len(sides) < 2:
+            return None
+        (upper, above), (lower, below) = sides
+        width = upper - lower
+        quotients = {}
+        for name in above.keys() & below.keys():
+            ball = above[name]
+            other = below[name]
+            radius = (ball.radius + other.radius) / abs(width)
+            quotients[name] = Ball((ball.mid - other.mid) / width, radius)
+        return quotients

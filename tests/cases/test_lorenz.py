@@ -1,7 +1,5 @@
 """Lorenz' equations: what is chaotic and what is not, and the horizon of binary64."""
 
-from fractions import Fraction
-
 import numpy as np
 import pytest
 
@@ -14,6 +12,8 @@ from refdem.planning import plan
 from refdem.planning.in_process import run_of, task_of, truth_of
 
 CASE = discovery.case("lorenz")
+LONG = CASE.at(n="176")
+"""44 units of time; its truth is proved once for both tests."""
 
 
 @pytest.mark.parametrize(
@@ -33,14 +33,13 @@ def test_chaos_is_claimed_where_it_is_proved(given, chaotic):
 
 def test_binary64_keeps_the_motion_to_its_horizon_and_loses_it_after():
     """At 44 units of time the certified motion is known to 40 digits, and a run is nowhere near."""
-    instance = CASE.at(n="176")
-    truth = truth_of(instance)
-    task = task_of(ENGINE, "lorenz-taylor", instance, truth, 3, ("error",))
+    truth = truth_of(LONG)
+    task = task_of(ENGINE, "lorenz-taylor", LONG, truth, 3, ("error",))
     run = run_of(ENGINE, plan.request(task, Variant(0.0), ulps=1)).trajectory
-    allowed = bound(instance, task.method, 0.0, truth)
+    allowed = bound(LONG, task.method, 0.0, truth)
     count = scored(allowed)
-    worst = np.maximum.reduce(list(errors(instance, run, truth).values()))
-    horizon = instance.times[count] * float(instance.p["interval"])
+    worst = np.maximum.reduce(list(errors(LONG, run, truth).values()))
+    horizon = LONG.times[count] * float(LONG.p["interval"])
     assert 20 < horizon < 40
     assert np.all(worst[:count] <= allowed[:count])
     assert np.max(worst[count:]) > 0.1
@@ -48,6 +47,5 @@ def test_binary64_keeps_the_motion_to_its_horizon_and_loses_it_after():
 
 def test_the_growth_is_that_of_the_known_exponent():
     """0.9056 per unit of time (Sparrow 1982, and others since), over 24 units, within a fifth."""
-    instance = CASE.at(n="96")
-    growth = instance.truth().sensitivity(Fraction(96))
+    growth = truth_of(LONG).growth()[96]
     assert np.log(growth) / 24 == pytest.approx(0.9056, rel=0.2)

@@ -15,7 +15,7 @@ from refdem.errors import NotCertifiedError
 from refdem.truth.closed_forms.impact_benchmarks.contact_path import ContactPath
 from refdem.truth.closed_forms.quadratic_drag import QuadraticDrag
 from refdem.truth.dual import plain
-from refdem.truth.sensitivities import Number, numbers_of, sensitivities
+from refdem.truth.sensitivities import Number, numbers_of, sensitivities, sensitivities_at
 
 DIGITS = 20
 STEP = Fraction(1, 10**20)
@@ -190,6 +190,20 @@ def test_a_number_that_starts_on_a_border_has_no_derivative() -> None:
     found = sensitivities(chosen.truth, chosen.at().p, Fraction(5, 2), DIGITS)
     assert list(found.missing) == ["v0"]
     assert isinstance(found.of["x"]["mass"], Ball)
+
+
+def test_several_times_at_once_have_the_derivatives_of_each() -> None:
+    """The ball falls until 0.64 s; friction that is 0 has a derivative until then."""
+    chosen = discovery.case("bouncing-ball")
+    p = chosen.at(velocity="1/2,0", spin="2").p
+    times = [Fraction(1, 2), Fraction(1)]
+    together = sensitivities_at(chosen.truth, p, times, DIGITS)
+    assert [list(found.missing) for found in together] == [[], ["friction"]]
+    for t, found in zip(times, together, strict=True):
+        alone = sensitivities(chosen.truth, p, t, DIGITS)
+        assert found.t == t
+        assert found.missing.keys() == alone.missing.keys()
+        assert found.of == alone.of
 
 
 def test_derivatives_of_a_chaotic_map_are_the_product_of_its_slopes() -> None:
