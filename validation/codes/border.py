@@ -144,6 +144,6 @@ def write_slopes(path, rows):
 
 
 def line(t, body, *vectors):
-    """A row as a line."""
+    """A row of a table as a line of its file."""
     numbers = [repr(float(x)) for vector in vectors for x in vector]
     return ",".join([repr(t), str(body), *numbers]) + "\n"
