@@ -131,10 +131,19 @@ def write(path, rows):
     """
     with Path(path).open("w") as file:
         file.write(HEADER + "\n")
-        for t, body, *vectors in rows:
-            file.write(
-                ",".join(
-                    [repr(t), str(body), *(repr(float(x)) for vector in vectors for x in vector)]
-                )
-                + "\n"
-            )
+        for row in rows:
+            file.write(line(*row))
+
+
+def write_slopes(path, rows):
+    """The derivatives: rows of the key of a number, and then as those of a trajectory."""
+    with Path(path).open("w") as file:
+        file.write(f"number,{HEADER}\n")
+        for key, *row in rows:
+            file.write(f"{key},{line(*row)}")
+
+
+def line(t, body, *vectors):
+    """A row of a table as a line of its file."""
+    numbers = [repr(float(x)) for vector in vectors for x in vector]
+    return ",".join([repr(t), str(body), *numbers]) + "\n"

@@ -3,6 +3,7 @@
 Import it before the code: what the code prints then goes to standard error.
 """
 
+import copy
 import json
 import os
 import sys
@@ -30,11 +31,15 @@ class Scene:
 
     `warm()` says that what had to be compiled is compiled, so that stepping is timed from there;
     `bodies` are those of the scene, `step` [s] and `stride` (steps from sample to sample) those of
-    the request, `gravity` (3,) [m/s^2] the sum of all uniform fields.
+    the request, `gravity` (3,) [m/s^2] the sum of all uniform fields; `sensitivities` are the keys
+    of the numbers that the request asks derivatives by.
     """
 
     def __init__(self, request, known, warm=lambda: None):
         self.warm = warm
+        self.request = request
+        self.known = known
+        self.sensitivities = request.get("sensitivities", [])
         self.method = request["method"]
         self.bodies = request["scene"]["bodies"]
         self.elements = request["scene"]["elements"]
@@ -42,6 +47,7 @@ class Scene:
         self.step = request["step"]
         self.stride = request["stride"]
         self.rows = []
+        self.slopes = []
         for element in self.elements:
             cannot(element["kind"] not in known, f"element {element['kind']}")
         cannot(any(body["fixed"] for body in self.bodies), "fixed bodies")
@@ -99,6 +105,42 @@ class Scene:
             for number, state in enumerate(states()):
                 self.rows.append((t, number, *state))
 
+    def with_numbers(self, dual):
+        """The same scene, with `dual(value, k)` in place of the k-th number of `sensitivities`."""
+        request = copy.deepcopy(self.request)
+        for k, key in enumerate(self.sensitivities):
+            *path, last = key.split(".")
+            holder = request
+            for word in path:
+                holder = entry(holder, word)[1]
+            place, value = entry(holder, last)
+            holder[place] = dual(value, k)
+        return Scene(request, self.known)
+
+    def differentiated(self, dual, slopes_of):
+        """Keeps the derivatives of the rows of a run in dual numbers; `slopes_of(number)` are those
+        of a number by all `sensitivities`, or none for a constant.
+        """
+        for k, key in enumerate(self.sensitivities):
+            for t, number, *vectors in dual.rows:
+                slopes = [[component(slopes_of(x), k) for x in vector] for vector in vectors]
+                self.slopes.append((key, t, number, *slopes))
+
+
+def entry(holder, word):
+    """Where a list or a table has an entry, and the entry."""
+    place = word
+    if isinstance(holder, list):
+        place = int(word)
+    return place, holder[place]
+
+
+def component(slopes, k):
+    """The k-th derivative; 0 of a constant, which has none."""
+    if len(slopes) == 0:
+        return 0.0
+    return slopes[k]
+
 
 def half_sides(shape):
     """The half sides (3) [m] of a polyhedron that is a box along the axes of its body."""
@@ -114,10 +156,12 @@ def half_sides(shape):
 
 def answer(solve, known, asked, warm=lambda: None):
     """One run of a request, whose files are `asked`; raises UnsupportedError."""
-    request, trajectory = asked
+    request, trajectory, *sensitivities = asked
     scene = Scene(json.loads(Path(request).read_text()), known, warm)
     solve(scene)
     border.write(trajectory, scene.rows)
+    if scene.slopes:
+        border.write_slopes(*sensitivities, scene.slopes)
 
 
 def run(solve, *known):
@@ -125,7 +169,7 @@ def run(solve, *known):
 
     `solve(scene)` fills `scene.rows`; scenes with elements of kinds other than `known` are refused.
     """
-    if len(sys.argv) == 3:
+    if len(sys.argv) > 2:
         try:
             answer(solve, known, sys.argv[1:])
         except UnsupportedError as reason:
@@ -138,7 +182,7 @@ def run(solve, *known):
         number = asked["id"]
         outcome = {"done": True}
         try:
-            files = (asked["request"], asked["trajectory"])
+            files = (asked["request"], asked["trajectory"], asked["sensitivities"])
             answer(solve, known, files, partial(said, {"id": number, "warm": True}))
         except UnsupportedError as reason:
             outcome = {"unsupported": str(reason)}
