@@ -47,6 +47,8 @@ and for discrete elements stand side by side: a case asks the same of both.
   the length of a rod, the norm |q| of attitudes, and the way back to the start in reversed time.
   "Keeps" is to round-off ({KEPT:g}), "to" has the largest change, and "loses" is more than the
   method claims.
+- **Derivatives** of what a code reports by the numbers of a case, where it computes them, are right
+  if they converge to the certified ones with the order of its method, and else wrong.
 - **Time** is that of the code's own loop, on one machine, at the largest step from which on all
   errors are at most {ACCURACY:g}.
 - **Deviations** are findings beyond a bound that the gate expects, each with its reason, a script
@@ -192,6 +194,8 @@ def facts(code: Code, result: Result) -> list[str]:
         title = f"error {two(result.error)} in {result.quantity}"
         lines.append(link(f"{shown_digits(digits(result.error))} digits", title, code.name))
     lines += conserved(result.laws)
+    if result.derivatives in ("right", "wrong"):
+        lines.append(f"{result.derivatives} derivatives")
     if result.seconds is not None:
         lines.append(f"{two(1e3 * result.seconds)} ms")
     for outcome in (*BROKEN, "undecided"):

@@ -4,6 +4,7 @@ a line for each method on each case.
 
 from collections.abc import Iterable
 from pathlib import Path
+from typing import Literal
 
 import msgspec
 
@@ -15,6 +16,11 @@ from refdem.report.tolerance import TARGETS, Row, rows_of, worst_rows
 
 ACCURACY = TARGETS[0]
 """The error, in units of a quantity's scale, at which times are reported: sufficient for a picture.
+"""
+
+
+Derivatives = Literal["right", "wrong", "undecided", "none"]
+"""What check `gradient` found of the derivatives that a method computed; none if it computes none.
 """
 
 
@@ -53,6 +59,7 @@ class Result(msgspec.Struct, frozen=True, kw_only=True, omit_defaults=True):
     error: float | None = None
     seconds: float | None = None
     laws: dict[str, Law] = {}
+    derivatives: Derivatives = "none"
     deviations: tuple[str, ...] = ()
     refused: str = ""
 
@@ -87,6 +94,7 @@ def result(record: Record) -> Result:
         error=error,
         seconds=seconds(worst),
         laws=laws(record),
+        derivatives=derivatives(record),
         deviations=tuple(f"{finding.check}/{finding.quantity}" for finding in expected),
         refused=refusal(record),
     )
@@ -110,6 +118,18 @@ def laws(record: Record) -> dict[str, Law]:
             change = rounded(change)
         found[sheet.law.check] = Law(conserved.verdict, change)
     return found
+
+
+def derivatives(record: Record) -> Derivatives:
+    """What the findings of check `gradient` say together."""
+    outcomes = {finding.outcome for finding in record.findings if finding.check == "gradient"}
+    if outcomes & {"expected", "fail", "error"}:
+        return "wrong"
+    if "pass" in outcomes:
+        return "right"
+    if "undecided" in outcomes:
+        return "undecided"
+    return "none"
 
 
 def refusal(record: Record) -> str:

@@ -7,6 +7,7 @@ from pathlib import Path
 import field_page
 import pytest
 from field_results import Kept, Law, Result, Run, read, write
+from msgspec.structs import replace
 
 ROOT = Path(__file__).parents[3]
 CODES = ROOT / "validation" / "codes"
@@ -72,6 +73,17 @@ def test_a_cell_has_digits_what_is_conserved_and_time(page_of):
     assert ode == (
         '[5.0 digits](#ode "error 1e-5 in theta")<br>keeps p<br>E to 3e-5<br>loses L<br>2 ms'
     )
+
+
+@pytest.mark.parametrize("said", ["right", "wrong"])
+def test_a_cell_says_whether_derivatives_are_right(page_of, said):
+    result = replace(HELD, derivatives=said)
+    assert cells(page_of(result), "rolling")[0] == f"{said} derivatives"
+
+
+@pytest.mark.parametrize("said", ["none", "undecided"])
+def test_a_cell_without_judged_derivatives_says_nothing_of_them(page_of, said):
+    assert cells(page_of(replace(HELD, derivatives=said)), "rolling")[0] == "held"
 
 
 def test_a_case_without_numbers_held(page_of):

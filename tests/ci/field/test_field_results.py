@@ -39,6 +39,24 @@ def test_a_law_is_kept_to_round_off_or_near_or_lost():
 
 
 @pytest.mark.parametrize(
+    ("outcomes", "said"),
+    [
+        ((), "none"),
+        (("unsupported",), "none"),
+        (("undecided",), "undecided"),
+        (("pass", "undecided"), "right"),
+        (("pass", "fail"), "wrong"),
+        (("pass", "expected"), "wrong"),
+        (("error",), "wrong"),
+    ],
+)
+def test_derivatives_are_right_if_one_finding_shows_it_and_none_the_contrary(outcomes, said):
+    found = [finding("gradient", str(n), outcome) for n, outcome in enumerate(outcomes)]
+    other = finding("momentum", "total", "fail")
+    assert field_results.result(record(*found, other)).derivatives == said
+
+
+@pytest.mark.parametrize(
     ("sentence", "words"),
     [
         (
