@@ -97,6 +97,7 @@ class Top(Check):
                     f"{basis}, and truncation error extrapolated from the coarsest step with"
                     " the claimed order"
                 )
+        # Claim + (terms - 1) u_n; the claim includes u_n.
         allowed = allowed + (of_terms - 1.0) * subject.round_off(level)
         signal = None
         if name.startswith("L_"):

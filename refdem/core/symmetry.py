@@ -243,10 +243,12 @@ def of(instance: Instance, name: str) -> Symmetry:
     features = instance.scene.features
     # 1 for every axis along which the instance may move: x, x-y or x-y-z.
     movable = np.array([1.0, "dimension:1" not in features, "dimension:3" in features])
+    # A unit quaternion: a rotation about a skew axis, or about z in the plane.
     if "dimension:3" in features:
         rotation = np.array([1.0, 2.0, 3.0, 4.0]) / np.sqrt(30.0)
     else:
         rotation = np.array([2.0, 0.0, 0.0, 1.0]) / np.sqrt(5.0)
+    # r' = r + d for the shift d;   r' = r + u t and v' = v + u for the boost u.
     shift = scales.length * np.array([8.0, -4.0, 2.0]) * movable
     boost = scales.speed * np.array([0.5, -0.25, 0.125]) * movable
     symmetries = {
