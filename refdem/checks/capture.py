@@ -59,6 +59,7 @@ class Capture(Check):
         omega = truth.scalars["omega"][0]
         inertia = truth.scalars["inertia"][0]
         # At the end of the run: r, v and L = m |r x v|.
+        # speed: v/(r omega) = 1;   inertia: L/omega = m r^2.
         distance = np.linalg.norm(arm, axis=1)[-1]
         speed = np.linalg.norm(velocity[-1])
         angular_momentum = scene.bodies.mass[hook.a] * np.linalg.norm(

@@ -1,6 +1,6 @@
 """Constraint drift: a rod has constant length, and its ends have no relative velocity along it.
 
-    | |d| - l | = 0,   d . v_rel = 0      d = r_a - r_b between the ends, l the length
+With d the vector between the ends of a rod of length l, |d| = l and d . v_rel = 0.
 """
 
 from collections.abc import Mapping
@@ -17,7 +17,9 @@ from refdem.scene.elements.rod import Rod
 
 
 class Constraint(Check):
-    """Rod lengths are kept to round-off where the method claims it, else to truncation error."""
+    """Rod lengths are constant to round-off where the method claims it, else to truncation
+    error.
+    """
 
     name = "constraint"
     title = "Constraint drift"

@@ -352,6 +352,7 @@ def _meets_too_soon(subject: Subject, level: float, bound: float) -> str | None:
     else:
         return "steps see impacts late, and truth does not say when the first one is"
     if closing > 0:
+        # STEPS_LATE h + bound L/closing.
         delay = STEPS_LATE * level + bound * instance.scales.length / closing
     else:
         delay = math.inf

@@ -21,7 +21,7 @@ OWN_SPIN = "spin about the own axis"
 """Name of the law L_3 = const, which no method claims.
 
 A method that conserves angular momentum in space may turn the body about one axis after another,
-which keeps L_3 only to its order.
+which conserves L_3 only to its order.
 """
 
 LAWS = {

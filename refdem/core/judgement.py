@@ -202,7 +202,7 @@ def order_statement(
     """The comparison of an observed order with the claimed one, as a sentence without its stop.
 
     `deficit` is what decides: claimed less observed order, or its limit for small steps. `detail`
-    says from what the order was observed.
+    states from what the order was observed.
     """
     observed = f"Observed order {seen:.2f} ({detail})"
     if not deficit <= tolerance:
@@ -468,8 +468,8 @@ def followed(
 ) -> int:
     """Number of samples before the run's error first exceeds `within`, a part of the scale.
 
-    From there on the run follows another motion, and S, which is the error growth along the true
-    motion, says nothing about it.
+    From there on the run follows another motion, to which the error growth S along the true motion
+    does not apply.
     """
     return _samples_within(_largest_error(subject, level, run, truth), within)
 
@@ -538,8 +538,8 @@ def _signed(
 def rounding_of_truth(subject: Subject, truth: SampledTruth, count: int) -> float:
     """Largest radius of the first `count` certified values, in scales.
 
-    A value is printed as a double. That of an angle of many turns is rounded by more than a run,
-    which knows the angle within a turn.
+    A value is printed as a double. An angle of many turns is rounded by more there than in a run,
+    which has the angle modulo 2 pi.
     """
     largest = 0.0
     for name, quantity in subject.instance.quantities.items():

@@ -34,8 +34,8 @@ Array = NDArray[np.float64]
 
 NAMES = ("shifted", "rotated", "boosted", "mirrored", "relabelled", "rescaled", "delayed")
 UNITS = (1 / sqrt(11.0), sqrt(51.0), 3.0 + 2.0**-24)
-"""Units of mass, length and time in which no number stays round: a code that keeps a number in too
-few digits rounds it differently in them.
+"""Units of mass, length and time in which no number stays round: a code that stores a number with
+too few digits rounds it differently in them.
 
 The unit of time has 26 bits: too many for single precision, and few enough that a clock summed in
 double precision stays exact.
@@ -182,7 +182,7 @@ class Symmetry:
         return value * float(factor)
 
     def _element(self, element: Element, count: int) -> Element:
-        """An element with every field mapped as its annotated type says.
+        """An element with every field mapped as its annotated type requires.
 
         A Position is a point, a Direction is rotated, an Acceleration is rotated and scaled, so is
         an Omega, which a mirror image turns the other way; `a` and `b` are numbers of bodies of
