@@ -384,6 +384,8 @@ class _Contact:
         Next to the start or end of a contact the force may be that of the dashpot alone; where the
         samples touch to rounding only, it may be 0.
         """
+        # Smallest and largest, around the interval, of the force at a touch, of F where the spheres
+        # may touch (else 0), and of F where they surely touch (else 0).
         at_touch = _force_at_touch(self.begins_or_ends, self.dashpot, self.force)
         may_act = np.where(self.may_touch, self.force, 0.0)
         surely_acts = np.where(self.surely_touches, self.force, 0.0)

@@ -168,11 +168,11 @@ class Energy(Check):
             return undecided(self.name, quantity, measured)
         scene = subject.instance.scene
         claimed, basis = subject.kept("energy", variant.level)
-        # bound = TERMS (max(f c, u_r) + u_l).
         claimed = claimed * _outgrown_by_force(subject, runs[variant].trajectory)
         of_places = subject.round_off(variant.level) * _position_rounding(subject)
         rounding = of_places + _summed_rounding(subject, variant.level)
         of_rods = _rod_rounding(subject)
+        # TERMS (max(f c, u_r) + u_l).
         allowed = TERMS * (np.maximum(claimed, rounding) + of_rods)
         changes = self._changes(subject, runs)
         # A rise above an earlier value is often exactly 0, and does not fall with the order.
@@ -357,6 +357,7 @@ class Energy(Check):
 
     def _dissipation(self, subject: Subject, variant: Variant, run: CompletedRun) -> Finding:
         """The finding that dissipated work never decreases: W(t) >= W(s) for all s < t."""
+        # max over s <= t of W(s), less W(t): 0 for a work that never decreases.
         work = run.trajectory.channels["dissipated_work"].reshape(len(run.trajectory.t), -1).sum(
             axis=1
         ) / energy_scale(subject.instance)

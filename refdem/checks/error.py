@@ -419,6 +419,7 @@ def _decisive_sample(error: Array, allowed: Array) -> int:
     # NaN is beyond its bound: `not share <= 1`.
     if not np.max(share) <= 1:
         return int(np.argmax(share))
+    # The largest error among samples with share >= NEARLY max(share).
     is_candidate = share >= NEARLY * np.max(share)
     return int(np.argmax(np.where(is_candidate, error, -1.0)))
 
@@ -435,6 +436,7 @@ def _decisive_level(
     """
     shares: dict[float, float] = {}
     for level, bound in bounds.items():
+        # max over t of error/bound.
         shares[level] = float(np.max(errors_by_level[level][: len(bound)] / bound))
     # NaN counts as beyond its bound: `not share <= 1`.
     decisive = [level for level in bounds if not sights[level].is_blind or not shares[level] <= 1]
