@@ -198,17 +198,21 @@ def left_by_late_impacts(
         if not 0 < beside.after < truth.until:
             continue
         before, after = beside.around()
+        # dv = v' - v - g (t' - t),   dw = omega' - omega.
         fallen = (run.t[after] - run.t[before]) * gravity
         velocity_change = run.velocity[after] - run.velocity[before] - fallen
         spin_change = run.omega[after] - run.omega[before]
         position = run.position.copy()
+        # r + dv h.
         position[beside.after :] += velocity_change * level
         attitude = run.attitude.copy()
+        # q(dw h) q: a rotation by dw h in space axes after that of the body.
         attitude[beside.after :] = product(turned_by(spin_change * level), attitude[beside.after :])
         shifted = instance.observe(replace_columns(run, position=position, attitude=attitude))
         for name, quantity in instance.quantities.items():
             if name in observed:
                 a, b = shifted[name][: truth.until], observed[name][: truth.until]
+                # Sum over impacts of |x(shifted) - x|/scale.
                 change = difference(a, b, is_angle=quantity.angle)
                 moved[name] += np.abs(change) / quantity.scale
     return moved
@@ -232,6 +236,7 @@ def nearest_velocities(
         for source in beside.around():
             velocity = run.velocity.copy()
             omega = run.omega.copy()
+            # v(t_source) + g (t - t_source), and omega(t_source).
             fallen = (run.t[samples] - run.t[source])[:, None, None] * gravity
             velocity[samples] = run.velocity[source] + fallen
             omega[samples] = run.omega[source]

@@ -218,6 +218,8 @@ def windows(truth: SampledTruth, run: Trajectory, late_by: Sequence[float]) -> l
         last = min(last, impacts[len(known)].time)
     found = []
     for number, impact in enumerate(known):
+        # begin = max over earlier impacts j of the same bodies of t_j + late_j;
+        # end = min over later ones of t_j - late_j.
         begin = float(times[0])
         end = last
         for other, neighbour in enumerate(known):
@@ -228,6 +230,7 @@ def windows(truth: SampledTruth, run: Trajectory, late_by: Sequence[float]) -> l
             if other > number:
                 end = min(end, neighbour.time - late_by[other])
         late = late_by[number]
+        # begin <= t < t_i - late_i and t_i + late_i < t <= end.
         before = np.flatnonzero((times >= begin) & (times < impact.time - late))
         after = np.flatnonzero((times > impact.time + late) & (times <= end))
         if len(before) and len(after):

@@ -40,8 +40,8 @@ class AngularMomentum(Check):
         return torque_reason(subject.instance.scene)
 
     def needs(self, subject: Subject) -> tuple[Variant, ...]:
-        """The coarsest level, where L is kept to round-off; the finest, where it is compared with
-        truth; both, where its error must fall with the step.
+        """The coarsest level where the method claims L to round-off; the finest where L is compared
+        with truth; all levels where the error of L must fall with the step.
         """
         if _law_changes_total(subject):
             return (subject.finest,)
@@ -63,9 +63,16 @@ class AngularMomentum(Check):
         """The finding that one part, `name`, is constant: at the coarsest level to round-off, else
         at the finest.
 
-        Free motion keeps the orbital part exactly with every method. Elsewhere the bound is that of
-        the method's claim, and at the finest level it is also what the coarsest level's change
-        implies with the claimed order.
+        The orbital part of free motion is constant for every method, except for round-off.
+        Elsewhere the bound is that of the method's claim. At the finest level it is also at most
+        what the change at the coarsest level implies with the claimed order.
+
+        With the round-off u_n = c u sqrt(n), the factor f of a neighbour search (`sweeping`), the
+        rounding e of equal terms (`_equal_roundings`) and the growth g of the terms (`_spread`),
+
+            |L(t) - L(0)|/L_s <= claim + (f - 1) u_n + e + (g - 1) (u_n + e),
+
+        where L_s is the initial sum of m |r| |v| + |J omega|.
         """
         is_free_motion = name == "orbital"
         if is_free_motion:
@@ -79,10 +86,12 @@ class AngularMomentum(Check):
             basis = f"{reason}: only round-off, c u sqrt(n) plus u n for equal terms, may change it"
         else:
             allowed, basis = subject.kept("angular-momentum", variant.level)
+            # (f - 1) u_n.
             sweep_rounding = subject.round_off(variant.level) * (
                 sweeping(subject.instance, subject.method) - 1.0
             )
             equal_roundings = _equal_roundings(subject, variant.level)
+            # (g - 1) (u_n + e).
             rounding_at_start = subject.round_off(variant.level) + equal_roundings
             spread = _spread(subject, runs[variant].trajectory)
             of_later_terms = (spread - 1.0) * rounding_at_start
@@ -91,6 +100,7 @@ class AngularMomentum(Check):
             changes = [self._changes(subject, runs[level], name) for level in subject.plain]
             rounding = subject.round_off(variant.level) + _equal_roundings(subject, variant.level)
             spread = _spread(subject, runs[variant].trajectory)
+            # Prediction of order p from coarser levels, plus COUNTING_FLOOR (u_n + e) g.
             extrapolated = left_at_finest(subject, *changes) + COUNTING_FLOOR * rounding * spread
             if np.any(extrapolated < allowed):
                 basis = (
@@ -140,6 +150,7 @@ class AngularMomentum(Check):
 
     def _changes(self, subject: Subject, run: CompletedRun, name: str) -> Array:
         """|L(t) - L(0)| of one part (T,), in units of the initial sum of m |r| |v| + |J omega|."""
+        # |L(t) - L(0)|/L_s.
         part = angular(subject.instance.scene, run.trajectory)[name]
         changes: Array = np.linalg.norm(part - part[0], axis=1) / angular_scale(subject.instance)
         return changes
@@ -166,6 +177,7 @@ class AngularMomentum(Check):
         spin_error = scene.bodies.inertia.max(axis=1).sum() * scales["omega"]
         orbital_error = scene.bodies.mass @ (distance * scales["v"] + speed * scales["r"])
         sensitivity = (orbital_error + spin_error) / angular_scale(subject.instance)
+        # Largest |L(t) - L(0)|/L_s of truth: the change by the law itself.
         true_changes = np.linalg.norm(expected - expected[0], axis=1)
         by_law = float(true_changes.max()) / angular_scale(subject.instance)
         finding = worst(
@@ -234,6 +246,7 @@ def _spread(subject: Subject, run: Trajectory) -> Array:
     distance = np.linalg.norm(run.position, axis=-1)
     speed = np.linalg.norm(run.velocity, axis=-1)
     turning_rate = np.linalg.norm(run.omega, axis=-1)
+    # max over s <= t of sum_i (m_i |r_i| |v_i| + max_k J_k |omega_i|)(s) / L_s.
     terms = (distance * speed) @ bodies.mass + turning_rate @ bodies.inertia.max(axis=1)
     largest: Array = np.maximum.accumulate(terms) / angular_scale(subject.instance)
     return np.maximum(1.0, largest)

@@ -3,9 +3,10 @@
   A = v x (r x v)/gm - r/|r|               points to periapsis, |A| is the eccentricity
   T = (m v v^T + k r r^T)/(2 E0)           has the principal axes of the ellipse (Fradkin 1967)
 
-They are constant in these two fields and in no other (Bertrand's theorem), so an error that keeps
-period, energy and angular momentum may still turn the orbit. Errors of position along the orbit do
-not change them: they can be judged long after the predictability horizon of the state.
+They are constant in these two fields and in no other (Bertrand's theorem), so an error that
+leaves period, energy and angular momentum constant may still turn the orbit. Errors of position
+along the orbit do not change them: they can be judged long after the predictability horizon of the
+state.
 """
 
 from collections.abc import Mapping

@@ -1,20 +1,21 @@
-"""How two neighbouring paths of a billiard part: in proportion to the path between straight walls,
-exponentially where half circles focus them (1.6.4, figure 1.33).
+"""Separation of two neighbouring paths of a billiard: it grows in proportion to the length of the
+path between straight walls, and exponentially where half circles focus the paths (1.6.4, figure
+1.33).
 
 Beside a path at r with the unit direction u runs a neighbour r', u'. Its offset across the path and
 its angle to the path are, with a x b = a_x b_y - a_y b_x,
 
     w = u x (r' - r),    phi = u x (u' - u).
 
-A flight of length l makes w of it w + l phi. Every reflection changes both signs, and a wall with
-the radius of curvature r, met at the angle chi to its normal, is a mirror of the focal length
+After a flight of length l the offset is w + l phi. Every reflection changes both signs, and a wall
+with the radius of curvature r, met at the angle chi to its normal, is a mirror of the focal length
 r cos(chi)/2:
 
     w_(n+1) = -(w_n + l phi_n),    phi_(n+1) = -phi_n + 2 (w_n + l phi_n)/(r cos chi)    (to first
     order in w and phi; the second term is 0 on a straight wall).
 
-Between straight walls |phi| is kept, and w grows by it on each metre. What is beyond first order is
-bounded here, with the roundings, along the true path.
+Between straight walls |phi| is constant, and the offset changes linearly with the length of the
+path. Terms beyond first order and roundings are bounded along the true path.
 """
 
 from collections.abc import Iterator, Mapping
@@ -34,11 +35,11 @@ from refdem.core.trajectory import Trajectory
 from refdem.core.variant import Variant
 
 LARGEST_ERROR = 1e-3
-"""Largest bound of the relative error of the separation up to which a rate is read."""
+"""Largest bound on the relative error of the separation from which a rate is computed."""
 HIGHER_ORDERS = 2.0
-"""Factor on the terms of second order, for all that come after them."""
+"""Factor on the terms of second order that covers those of higher order."""
 FEWEST = 2
-"""Smallest number of bounces over which a rate is read."""
+"""Smallest number of bounces over which a rate is computed."""
 BASIS = (
     "the mirror equation along the true path; roundings at each bounce, and terms of second order"
     " in the separation, as they grow until then"
@@ -48,7 +49,7 @@ BASIS = (
 @dataclass(frozen=True)
 class Beam:
     """The true separation (w [m], phi [rad]) after `bounces`, the bounds (2) of a run's error in
-    it, and the true length [m] of the path until then.
+    it [m], [rad], and the true length [m] of the path until then.
     """
 
     bounces: int
@@ -58,7 +59,7 @@ class Beam:
 
 
 class NeighbouringPaths(Check):
-    """The rate at which a neighbouring path parts from the true one, with its error."""
+    """The rate at which a neighbouring path separates from the true one, with its error."""
 
     name = "beam"
     title = "Neighbouring paths"
@@ -85,8 +86,8 @@ class NeighbouringPaths(Check):
         return (subject.finest, Variant(subject.levels[-1], "perturbed", APART))
 
     def judge(self, subject: Subject, runs: Mapping[Variant, CompletedRun]) -> list[Finding]:
-        """One finding: the rate of parting, a metre of path in a rectangle, a bounce in a stadium,
-        over as many bounces as it is known for.
+        """One finding: the rate of separation, per metre of path in a rectangle, per bounce in a
+        stadium, over as many bounces as it is known for.
         """
         problem = subject.instance.problem
         assert isinstance(problem, Iteration)
@@ -114,7 +115,12 @@ class NeighbouringPaths(Check):
         return [self._exponential(beam, measured, start, subject.instance.scales.length)]
 
     def _linear(self, beam: Beam, measured: Array, start: Array) -> Finding:
-        """The finding on the growth of the offset on each metre of path between straight walls."""
+        """The finding on the growth of the offset per metre of path between straight walls.
+
+        After n bounces and the path s, (-1)^n w_n = w_0 + s phi_0, so that the rate is
+
+            ((-1)^n w_n - w_0)/s = phi_0.
+        """
         turned = (-1.0) ** beam.bounces
         rate = (turned * measured[0] - start[0]) / beam.path
         true = (turned * beam.separation[0] - start[0]) / beam.path
@@ -133,7 +139,12 @@ class NeighbouringPaths(Check):
         )
 
     def _exponential(self, beam: Beam, measured: Array, start: Array, length: float) -> Finding:
-        """The finding on the growth of the separation, e-folds a bounce, in a table of a length."""
+        """The finding on the growth of the separation, in e-folds per bounce, in a table of the
+        length L [m].
+
+        With d = sqrt((w/L)^2 + phi^2) the rate is ln(d_n/d_0)/n. A relative error e < 1 of d_n
+        changes it by at most -ln(1 - e)/n.
+        """
         scale = np.array([length, 1.0])
         size = np.hypot(*(start / scale))
         true = np.hypot(*(beam.separation / scale))
@@ -171,26 +182,33 @@ def followed_beams(
     rooms = _rooms(table, places)
     now = _start_of(problem)
     path = 0.0
-    # What each bounce so far has added to the error, and how that has grown since.
+    # Error added at each bounce so far (n, 2), and the product of the steps since then (n, 2, 2).
     added = np.empty((0, 2))
     grown = np.empty((0, 2, 2))
     for n in range(1, len(places)):
         flight = float(np.hypot(*(places[n] - places[n - 1])))
         path += flight
+        # cos(chi) = n . u, and |w| + l |phi| >= |w + l phi|, the offset at the wall.
         along = float(normals[n] @ directions[n - 1])
         offset = abs(now[0]) + flight * abs(now[1])
+        # The neighbour meets the wall within offset/cos(chi) of the true path, with a margin of 2.
         if not along > 0 or rooms[n] <= 2.0 * offset / along:
             return
+        # (w, phi)_(n+1) = step (w, phi)_n, with power = 2 kappa/cos(chi) and
+        #     step = [-1, -l; power, power l - 1].
         power = 2.0 * curvatures[n] / along
         step = np.array([[-1.0, -flight], [power, power * flight - 1.0]])
-        # By how much the neighbour's flight and its angle to the normal differ, and with them the
-        # step.
+        # Second order: the changes of the flight, |dl| <= longer, of the angle, |dchi| <= turned,
+        # and of the power, |d(2 kappa/cos chi)| <= power |dchi|/cos chi, which change the step by
+        #     [0, dl; dpower, power dl + dpower l].
         longer = (abs(now[0]) + offset) / along
         turned = abs(now[1]) + curvatures[n] * offset / along
         stronger = power * turned / along
         change = np.array([[0.0, longer], [stronger, power * longer + stronger * flight]])
         curved = HIGHER_ORDERS * change @ np.abs(now)
+        # Rounding of (w, phi) at a bounce: u (1 + L kappa) (L, 1)/cos(chi).
         rounded = rounding * (1.0 + length * curvatures[n]) * np.array([length, 1.0]) / along
+        # bounds = sum over bounces k of |step_n ... step_(k+1)| added_k.
         now = step @ now
         grown = np.concatenate((step @ grown, np.eye(2)[None]))
         added = np.concatenate((added, (curved + rounded)[None]))
@@ -204,12 +222,14 @@ def followed_beams(
 def _start_of(problem: Iteration) -> Array:
     """The offset [m] and the angle [rad] of the perturbed start, beside the plain one."""
     moved = problem.perturbed(APART).start - problem.start
+    # w = u x (r' - r),   phi = u x (u' - u).
     direction = problem.start[2:]
     return np.array([_cross(direction, moved[:2]), _cross(direction, moved[2:])])
 
 
 def _separation(plain: Trajectory, beside: Trajectory, n: int) -> Array:
     """The offset [m] and the angle [rad] of the path beside the plain one, after bounce n."""
+    # w = u x (r' - r),   phi = u x (u' - u).
     direction = plain.values["direction"][n]
     moved = beside.values["position"][n] - plain.values["position"][n]
     turned = beside.values["direction"][n] - direction
@@ -230,8 +250,8 @@ def _curvatures(table: Billiard, places: Array) -> Array:
 
 
 def _rooms(table: Billiard, places: Array) -> Array:
-    """How far (T,) [m] places (T, 2) on the wall are from where its piece ends; without an end,
-    infinitely far.
+    """Distance (T,) [m] of places (T, 2) on the wall from the end of their straight or circular
+    piece of it; infinite on a full circle.
     """
     if isinstance(table, StadiumBilliard):
         half = (table.width - table.height) / 2

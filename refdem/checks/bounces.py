@@ -1,10 +1,10 @@
 """Bounces of a billiard: speed is conserved, each bounce lies on the wall, each new direction
-points inwards and is the mirror image of the one before; in a rectangle |vx| and |vy| are kept.
+points inwards and is the mirror image of the one before; in a rectangle |vx| and |vy| are constant.
 
 Each bounce is tested by itself, so chaos does not matter: all of the run is judged. With the normal
-n of the wall a direction u becomes u - 2 (n . u) n (1.6.4). Where every n is an axis, one component
-changes its sign and the other nothing: |u_x| and |u_y| are those of the start, after any number of
-bounces, but for a rounding at each.
+n of the wall a direction u becomes u - 2 (n . u) n (1.6.4). Where every n is parallel to an axis, a
+reflection changes the sign of one component only: |u_x| and |u_y| are those of the start after any
+number of bounces, except for a rounding at each.
 """
 
 from collections.abc import Mapping
@@ -67,6 +67,7 @@ class Bounces(Check):
         direction = run.values["direction"][1:]
         distance, normal = wall(problem.map, position)
         round_off = ROUND_OFF_FACTOR * subject.method.round_off
+        # | |u| - 1 |,   |d|/L,   max(0, u . n).
         measured = {
             "speed": (
                 np.abs(np.hypot(*direction.T) - 1),
@@ -109,6 +110,7 @@ class Bounces(Check):
             )
         )
         if isinstance(problem.map, RectangleBilliard):
+            # | |u_i(n)| - |u_i(0)| | <= n roundings, for i = x, y.
             changes = np.abs(np.abs(direction) - np.abs(problem.start[2:]))
             found += [
                 worst(
@@ -127,11 +129,14 @@ class Bounces(Check):
 
 
 def not_mirrored(before: Array, after: Array, normal: Array) -> Array:
-    """How far each direction (T, 2) after a bounce is from u - 2 (n . u) n, u that before it.
+    """Distance (T,) of each direction (T, 2) after a bounce from u - 2 (n . u) n, with u the one
+    before it.
 
-    In a corner, where the normal is 0, both walls may have been met, in either order: the nearest
-    of u, its images in one wall, and that in both is compared.
+    In a corner, where the normal is 0, one or both walls may have been hit: the direction is
+    compared with the nearest of u, its images in one wall, and its image in both. Its distance from
+    that one is | |after| - |u| |, with |u| = (|u_x|, |u_y|).
     """
+    # u - 2 (n . u) n.
     along = np.sum(before * normal, axis=1)
     image = before - 2.0 * along[:, None] * normal
     deviation = np.hypot(*(after - image).T)
@@ -160,11 +165,13 @@ def wall(table: Billiard, position: Array) -> tuple[Array, Array]:
     """
     half = np.array([table.width, table.height]) / 2
     if isinstance(table, StadiumBilliard):
+        # Stadium: d = |(x, y) - nearest point of the segment| - r,   r = height/2.
         past_end = np.maximum(np.abs(position[:, 0]) - (half[0] - half[1]), 0.0)
         # The vector from the nearest point of the segment |x| <= half width - radius, y = 0.
         offset = np.column_stack((np.copysign(past_end, position[:, 0]), position[:, 1]))
         distance = np.hypot(*offset.T)
         return distance - half[1], offset / np.maximum(distance, np.finfo(float).tiny)[:, None]
+    # Rectangle: d = max(|x| - width/2, |y| - height/2).
     beyond = np.abs(position) - half
     is_side = beyond[:, 0] > beyond[:, 1]
     is_corner = beyond.min(axis=1) > -CORNER * half.max()

@@ -1,4 +1,8 @@
-"""Circular motion after a capture: v = r omega, and J = m r^2 relates L = J omega."""
+"""Circular motion after a capture, with v = r omega and L = J omega, J = m r^2.
+
+The hook holds the mass at its distance r at the catch. Angular momentum L about the hook is that
+before the catch.
+"""
 
 from collections.abc import Mapping
 
@@ -55,6 +59,7 @@ class Capture(Check):
         omega = truth.scalars["omega"][0]
         inertia = truth.scalars["inertia"][0]
         # At the end of the run: r, v and L = m |r x v|.
+        # speed: v/(r omega) = 1;   inertia: L/omega = m r^2.
         distance = np.linalg.norm(arm, axis=1)[-1]
         speed = np.linalg.norm(velocity[-1])
         angular_momentum = scene.bodies.mass[hook.a] * np.linalg.norm(
@@ -101,6 +106,7 @@ class Capture(Check):
 
 def _is_circling(arm: Array, velocity: Array) -> Array:
     """True (T,) where r.v = 0 to a part in 1000: on the circle, not on the line before it."""
+    # |r . v| < 1e-3 |r| |v|.
     radial = np.abs(np.sum(arm * velocity, axis=1))
     distance = np.linalg.norm(arm, axis=1)
     is_circling: Array = radial < 1e-3 * distance * np.linalg.norm(velocity, axis=1)
@@ -117,12 +123,14 @@ def _rate(arm: Array, velocity: Array, t: Array) -> float:
     # Angles are counted about the normal r x v of the plane of motion.
     normal = np.cross(arm[0], velocity[0])
     normal = normal / (np.linalg.norm(normal) or 1.0)
+    # Angle from r to r': atan2(n . (r x r'), r . r'), modulo 2 pi.
     sine = np.cross(arm[:-1], arm[1:]) @ normal
     cosine = np.sum(arm[:-1] * arm[1:], axis=1)
     angle = np.arctan2(sine, cosine)
     # The angle |v|/|r| dt, accurate enough to count whole turns.
     expected = np.linalg.norm(velocity[:-1], axis=1) / np.linalg.norm(arm[:-1], axis=1) * np.diff(t)
     whole_turns = 2 * np.pi * np.round((expected - angle) / (2 * np.pi))
+    # omega = sum of (angle + 2 pi turns) over (t_last - t_first).
     return float(np.sum(angle + whole_turns) / (t[-1] - t[0]))
 
 

@@ -1,4 +1,7 @@
-"""Constraint drift: a rod keeps its length, and its ends have no relative velocity along it."""
+"""Constraint drift: a rod has constant length, and its ends have no relative velocity along it.
+
+With d the vector between the ends of a rod of length l, |d| = l and d . v_rel = 0.
+"""
 
 from collections.abc import Mapping
 
@@ -14,7 +17,9 @@ from refdem.scene.elements.rod import Rod
 
 
 class Constraint(Check):
-    """Rod lengths are kept to round-off where the method claims it, else to truncation error."""
+    """Rod lengths are constant to round-off where the method claims it, else to truncation
+    error.
+    """
 
     name = "constraint"
     title = "Constraint drift"
@@ -33,7 +38,7 @@ class Constraint(Check):
         return "the scene has no constraint"
 
     def needs(self, subject: Subject) -> tuple[Variant, ...]:
-        """The coarsest level; all of them where lengths are kept only to the order of the
+        """The coarsest level; all of them where lengths are constant only to the order of the
         method.
         """
         if subject.keeps("constraint"):
@@ -47,6 +52,7 @@ class Constraint(Check):
         allowed, basis = subject.kept("constraint", variant.level)
         # Positions far from the origin are rounded in proportion to their distance.
         rounding = subject.round_off(variant.level) * _position_scale(subject)
+        # Claim + u_n (|r|/L - 1), where the claim includes u_n.
         allowed = allowed + rounding - subject.round_off(variant.level)
         drifts = _drifts(subject, runs[variant].trajectory)
         at_levels = [_drifts(subject, runs[level].trajectory) for level in self.needs(subject)]
@@ -121,7 +127,9 @@ def _drifts(subject: Subject, run: Trajectory) -> dict[str, Array]:
         relative = run.velocity[:, rod.a]
         if rod.b >= 0:
             relative = relative - run.velocity[:, rod.b]
+        # Drift of length: | |d| - l |/L.
         length = np.maximum(length, np.abs(distance - rod.length) / subject.instance.scales.length)
+        # Drift of velocity: |d . v_rel|/(|d| V).
         speed = np.maximum(
             speed,
             np.abs(np.sum(separation * relative, axis=1))

@@ -234,6 +234,7 @@ def _overlap_rounding(subject: Subject, run: Trajectory) -> float:
 
     It is a difference of numbers as large as positions and radii, each rounded here and in the run.
     """
+    # u_n + 4 u (max|r| + 2 R)/L.
     reach = float(np.max(np.abs(run.position))) + 2 * float(
         np.max(subject.instance.scene.bodies.radius)
     )
@@ -248,6 +249,7 @@ def _force_rounding(subject: Subject, run: Trajectory, pair_states: _PairStates)
     largest d), and of the dashpot's velocities.
     """
     length = subject.instance.scales.length
+    # dF/F_max of F = k d^e: e (rounding of d)/d_max.
     of_overlap = (
         pair_states.law.exponent
         * _overlap_rounding(subject, run)
@@ -255,6 +257,7 @@ def _force_rounding(subject: Subject, run: Trajectory, pair_states: _PairStates)
         / float(np.max(pair_states.overlap))
     )
     speed = float(np.max(np.abs(run.velocity)))
+    # dF/F_max of the dashpot c |v|: 8 u c |v|/F_max.
     of_speed = (
         8
         * subject.method.round_off

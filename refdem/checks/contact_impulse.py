@@ -1,6 +1,8 @@
 """Impulses between samples of two spheres, or of a sphere and a wall: inside the friction cone, and
 of the size that the contact law gives.
 
+    J = m (v(t') - v(t)) = sum over steps and stages of w_k h F_k,   sum of w_k = 1 in each step
+
 Each step adds forces that the law gives for states near the step. So, for any method, the impulse
 J = m dv of an interval between two samples is a weighted sum of such forces; J_n is its component
 along the mean normal, J_t the size of the part across it.
@@ -60,6 +62,7 @@ def alternating_slip(subject: Subject, run: Trajectory, step: float) -> float | 
         return None
     contact = _Contact.of(subject, run, step)
     touches = contact.may_touch[1:] | contact.may_touch[:-1]
+    # The slip may change its sign where the spheres touch and do not slide throughout.
     alternates = touches & ~contact.slides_throughout
     return float(np.max(contact.slip_change_of_step[alternates], initial=0.0))
 
@@ -144,6 +147,7 @@ class ContactImpulse(Check):
         contact = _Contact.of(subject, run, variant.level)
         unit = scene.bodies.mass[0] * subject.instance.scales.speed
         fastest = float(np.max(np.abs(run.velocity))) / subject.instance.scales.speed
+        # Rounding of m dv in units of m V: TERMS u_n max(1, |v|/V).
         rounding = TERMS * subject.round_off(subject.levels[0]) * max(1.0, fastest)
         unresolved = subject.unresolved(variant.level)
         if unresolved:
@@ -157,6 +161,7 @@ class ContactImpulse(Check):
                     check=self.name,
                     quantity="cone",
                     t=run.t[1:][presses],
+                    # max(0, |J_t| cos(b) - J_n sin(b)) with the half angle b = arctan(mu) + a.
                     values=(_outside_cone(contact) / unit)[presses],
                     allowed=(contact.impulse_of_unlike_step / unit + rounding)[presses],
                     unit="1",
@@ -185,6 +190,7 @@ class ContactImpulse(Check):
             return []
         # A negative weight on the last step of a contact may reverse the sign of the sum.
         normal_impulse = np.abs(contact.normal_impulse)
+        # | |J_t| - mu |J_n| |.
         difference = np.abs(contact.tangential_impulse - friction * normal_impulse)
         # | |J_t| - mu |J_n| | <= mu |J_n| a: forces whose directions differ by at most a, the turn
         # of the slip, have a sum shorter than the sum of their sizes, by at most that.
@@ -214,6 +220,7 @@ class ContactImpulse(Check):
         force of the law nearby.
         """
         interval = np.diff(contact.run.t)
+        # low dt <= J_n <= high dt.
         low, high = contact.normal_force_nearby
         below = np.maximum(0.0, low * interval - contact.normal_impulse)
         above = np.maximum(0.0, contact.normal_impulse - high * interval)
@@ -377,6 +384,8 @@ class _Contact:
         Next to the start or end of a contact the force may be that of the dashpot alone; where the
         samples touch to rounding only, it may be 0.
         """
+        # Smallest and largest, around the interval, of the force at a touch, of F where the spheres
+        # may touch (else 0), and of F where they surely touch (else 0).
         at_touch = _force_at_touch(self.begins_or_ends, self.dashpot, self.force)
         may_act = np.where(self.may_touch, self.force, 0.0)
         surely_acts = np.where(self.surely_touches, self.force, 0.0)

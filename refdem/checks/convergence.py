@@ -65,7 +65,7 @@ class Convergence(Check):
         )
 
     def judge(self, subject: Subject, runs: Mapping[Variant, CompletedRun]) -> list[Finding]:
-        """The deficit p - log2(change/next change) against its tolerance.
+        """The deficit p - log2(change/next change) against its tolerance 2 max(0.15, 0.05 p).
 
         Undecided where the finest change is too large to show an order. A change within round-off
         counts as the claimed order.
@@ -88,6 +88,7 @@ class Convergence(Check):
             return [undecided(self.name, "state", why)]
         order = subject.order
         if fine > floor:
+            # p_observed = log2(|x(4h) - x(2h)|/|x(2h) - x(h)|), with h the finest step.
             observed = observed_order(coarse, fine)
         else:
             observed = float(order)
@@ -125,6 +126,7 @@ class Convergence(Check):
         of two changes is no order. The triangle inequality still holds: a change is at most the sum
         of both errors.
         """
+        # |x(2h) - x(h)| <= S (truncation(2h) + resolution(2h) + truncation(h) + resolution(h)).
         allowed = growth * sum(
             float(subject.truncation(h)[-1]) + subject.resolution(h) for h in subject.levels[-2:]
         )
@@ -158,6 +160,7 @@ def _change(subject: Subject, coarse: CompletedRun, fine: CompletedRun) -> float
     largest = 0.0
     for name, quantity in instance.quantities.items():
         if name in coarse_values and name in fine_values and not quantity.group:
+            # max over quantities and samples of |x_fine - x_coarse|/scale.
             change = difference(fine_values[name], coarse_values[name], is_angle=quantity.angle)
             largest = max(largest, float(np.max(np.abs(change))) / quantity.scale)
     return largest

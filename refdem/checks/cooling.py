@@ -4,6 +4,9 @@
   w_c = 4 sqrt(pi) n sigma^2 sqrt(T/m) chi      collision frequency of one sphere
   (1 - e^2) T                     mean energy lost in a collision
 
+with the number density n, the diameter sigma, the mass m, the pair correlation chi at contact and
+the restitution e (Haff 1983; Brilliantov and Poeschel 2004).
+
 A sample of collisions scatters, so every mean is judged by its standard error. Velocities of an
 elastic gas obey Maxwell's distribution.
 """
@@ -30,7 +33,7 @@ from refdem.scene.elements.contact import Contact
 from refdem.scene.elements.periodic_box import PeriodicBox
 
 ERRORS = 4.0
-"""Standard errors allowed: one correct gas in 1e4 is further off."""
+"""Standard errors allowed: a correct gas exceeds them with the probability 1e-4."""
 THEORY = 0.01
 """Relative error of kinetic theory: velocities deviate from Maxwell's by 3/16 a2, and chi is
 approximate.
@@ -55,8 +58,8 @@ FEWEST = 30
 
 @dataclass(frozen=True, eq=False)
 class Gas:
-    """Parameters of the gas from its scene: number n, restitution, contact time `lasts` [s],
-    packing fraction, and initial w_c [1/s] from truth.
+    """Parameters of the gas from its scene: number n of spheres, restitution, contact time `lasts`
+    [s], packing fraction, and initial w_c [1/s] from truth.
     """
 
     n: int
@@ -156,10 +159,16 @@ class Cooling(Check):
         Contacts in progress store a part w_c t_c of the energy, which also scatters. An elastic gas
         of rigid spheres has neither: `rounding`, the relative round-off of T, is left.
         """
+        # T0/(1 + t/tau)^2.
         law = haff_temperature(t, temperature[0], haff)
+        # N(t) = (n - 1)/2 times the integral of w_c = w_c(0) sqrt(T/T0).
         n_collisions = collisions(t, law, gas.frequency / np.sqrt(temperature[0]), gas.n)
+        # d ln T / d ln tau = 2 (t/tau)/(1 + t/tau).
         tau_sensitivity = 2 * (t / haff) / (1 + t / haff)
+        # w_c t_c + ERRORS sqrt(w_c t_c/n): the part of the energy that contacts store, and its
+        # scatter in a gas of n spheres.
         stored = gas.softness + ERRORS * np.sqrt(gas.softness / gas.n)
+        # |ln T - ln T_Haff| <= ERRORS loss_error(N) + THEORY d ln T/d ln tau + stored + round-off.
         allowed = (
             ERRORS * loss_error(gas.restitution, gas.n, n_collisions)
             + THEORY * tau_sensitivity
@@ -204,6 +213,7 @@ class Cooling(Check):
         """Number of collisions against the integral of w_c; and the mean energy loss of a
         collision, in units of (1 - e^2) T.
         """
+        # N(t) = (n - 1)/2 times the integral of w_c = w_c(0) sqrt(T/T(0)), T as observed.
         expected_so_far = collisions(
             run.t, temperature, gas.frequency / np.sqrt(temperature[0]), gas.n
         )
@@ -211,6 +221,8 @@ class Cooling(Check):
         if expected < FEWEST:
             why = f"only {expected:.2g} collisions are expected; {FEWEST} are needed for a mean"
             return [undecided(self.name, "collisions", why)]
+        # |N_observed/N - 1| <= ERRORS/sqrt(N) + THEORY + w_c t_c: the scatter of a Poisson count,
+        # the error of the theory, and the duration of contacts.
         allowed = float(ERRORS / np.sqrt(expected) + THEORY + gas.softness)
         basis = f"{ERRORS:g} standard errors of the count, and {THEORY:.0%} for kinetic theory"
         count = judged(
@@ -230,6 +242,7 @@ class Cooling(Check):
         if work is None or not inelasticity > 0:
             return [count]
         mean_temperature = _mean_over_collisions(temperature, expected_so_far)
+        # Observed loss W/N_observed of a collision over the theoretical (1 - e^2) <T>.
         loss_ratio = float(np.sum(work[-1])) / (observed * inelasticity * mean_temperature)
         loss = judged(
             check=self.name,
@@ -248,6 +261,7 @@ def _mean_over_collisions(temperature: Array, n_collisions: Array) -> float:
 
     Each interval between samples counts as often as spheres collide in it.
     """
+    # <T> = sum over intervals k of (N_(k+1) - N_k) sqrt(T_k T_(k+1)) / N(end).
     in_interval = np.diff(n_collisions)
     interval_temperature = np.sqrt(temperature[1:] * temperature[:-1])
     return float(np.sum(in_interval * interval_temperature)) / float(n_collisions[-1])
@@ -276,12 +290,15 @@ def _gas(scene: Scene, frequency: float) -> Gas:
     if law.law == "rigid":
         return Gas(n, law.restitution, 0.0, packing, frequency)
     mass = float(scene.bodies.mass[0])
+    # b = c/m,   w = sqrt(2 k/m - b^2), 0 if overdamped.
     b = law.damping / mass
     w = float(np.sqrt(max(2 * law.stiffness / mass - b**2, 0.0)))
+    # Contact time pi/w: half a period of the overlap.
     if w:
         duration = np.pi / w
     else:
         duration = np.inf
+    # e = exp(-pi b/w).
     restitution = 1.0
     if b:
         restitution = float(np.exp(-b * duration))

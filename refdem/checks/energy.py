@@ -60,8 +60,8 @@ TWO_LEVERS = (
     "friction whose slip and torque have different levers exchanges energy other than by its slip"
 )
 """The reason why a law with two levers has no energy balance: the power of its tangential force and
-torques is not force times slip. So a tangential spring does not return the work that stretched it,
-and friction may increase the energy for a while.
+torques is not force times slip. So a tangential spring does not return the work done on it, and
+friction may increase the energy temporarily.
 """
 
 
@@ -152,6 +152,11 @@ class Energy(Check):
     ) -> Finding:
         """The finding on the imbalance at one level.
 
+        With the claim c of the method, the factor f of motions that outgrow their scales
+        (`_outgrown_by_force`) and the roundings u_r of positions and sums and u_l of rod lengths,
+
+            bound = TERMS (max(f c, u_r) + u_l).
+
         At the finest level the bound is at most that which follows from the imbalance at the
         coarsest level with the claimed order.
         """
@@ -167,6 +172,7 @@ class Energy(Check):
         of_places = subject.round_off(variant.level) * _position_rounding(subject)
         rounding = of_places + _summed_rounding(subject, variant.level)
         of_rods = _rod_rounding(subject)
+        # TERMS (max(f c, u_r) + u_l).
         allowed = TERMS * (np.maximum(claimed, rounding) + of_rods)
         changes = self._changes(subject, runs)
         # A rise above an earlier value is often exactly 0, and does not fall with the order.
@@ -221,14 +227,16 @@ class Energy(Check):
         left = self._left_at(subject, subject.finest, finest, len(changes[0]))
         if not may_straddle(subject):
             return left_at_finest(subject, *changes) + left
+        # room max|imbalance at h_0| (h_finest/h_0)^p + left.
         halved = float((subject.levels[-1] / subject.levels[0]) ** subject.order)
         return room_of(subject) * float(np.max(changes[0])) * halved + left
 
     def _left_at(
         self, subject: Subject, variant: Variant, run: CompletedRun, count: int
     ) -> Array | float:
-        """What changes of the step do not show of the error of the energy, one or (count,): twenty
-        round-offs, and what steps that straddle kinks leave; infinite where that is unknown.
+        """The part of the error of the energy, one or (count,), that does not fall with the step:
+        COUNTING_FLOOR round-offs, and the error of steps that straddle kinks; infinite where the
+        latter is unknown.
         """
         level = variant.level
         of_places = subject.round_off(level) * _position_rounding(subject)
@@ -254,8 +262,8 @@ class Energy(Check):
         leaves, at most 1; 1 where the next level was not run.
 
         With an error e(h) = C h^p of the energy, the change from h to h/2 is (1 - 2^-p) e(h). So
-        e(h) is at most `room_of` times that change over 1 - 2^-p, and what a step of the coarser
-        level that straddles a kink leaves.
+        e(h) is at most `room_of` times that change over 1 - 2^-p, plus the part that does not fall
+        with the step (`_left_at`).
         """
         finer = Variant(variant.level / 2)
         if subject.method.control != "step" or subject.keeps("energy") or finer not in runs:
@@ -267,6 +275,7 @@ class Energy(Check):
         )
         change = np.maximum.accumulate(np.abs(coarse - fine))
         left = self._left_at(subject, variant, runs[variant], len(change))
+        # e(h) <= room |E(h) - E(h/2)|/(1 - 2^-p) + left;   share = max over t of that / allowed.
         implied = room_of(subject) / (1.0 - 2.0**-subject.order) * change + left
         share = float(np.max(implied / allowed))
         if not np.isfinite(share):
@@ -276,9 +285,11 @@ class Energy(Check):
     def _imbalance(self, subject: Subject, run: CompletedRun) -> Imbalance | str:
         """The imbalance, or the reason why it is unknown.
 
+        All are in units of `energy_scale`.
+
         - conservative scene: |E - E0|
-        - tangential contact springs: max(0, E - E0), as they hold an unreported part of the energy;
-          unknown where slip and torque have levers of their own
+        - tangential contact springs: max(0, E - E0), as they store an unreported part of the
+          energy; unknown where slip and torque have different levers
         - work W against dissipation reported: |E + W - E0|
         - drives and dashpots: |E - W - E0| with their work W integrated between samples
         - other dissipation: the rise of E above its minimum so far
@@ -300,17 +311,20 @@ class Energy(Check):
         if work is None and _has_two_levers(scene):
             return f"{TWO_LEVERS}, and the run does not report how much"
         if _rubs_by_springs(scene) and not _stiffens(scene):
+            # max(0, E - E0).
             rise = np.maximum(0.0, energy - energy[0]) / scale
             return Imbalance(SPRINGS, rise, is_rise=True)
         if scene.is_conservative():
             return Imbalance("The change of kinetic plus potential energy", change)
         if work is not None:
+            # |E + W - E0|, with W the sum over all contacts.
             dissipated = work.reshape(len(energy), -1).sum(axis=1)
             lacking = np.abs(energy + dissipated - energy[0]) / scale
             return Imbalance("The change of energy plus dissipated work", lacking)
         integrated = self._integrated(subject, run, energy)
         if scene.is_driven() or isinstance(integrated, Imbalance):
             return integrated
+        # E(t) - min over s <= t of E(s).
         rise = (energy - np.minimum.accumulate(energy)) / scale
         return Imbalance("The rise of energy above any earlier value", rise, is_rise=True)
 
@@ -318,6 +332,7 @@ class Energy(Check):
         """The change of energy less the work of drives and dashpots, integrated between samples."""
         scene = subject.instance.scene
         scale = energy_scale(subject.instance)
+        # Phase of the fastest motion between two samples: dt max(fastest drive, 1/tau) [rad].
         interval = float(np.max(np.abs(np.diff(run.trajectory.t))))
         fastest = max(fastest_drive(scene), 1 / subject.instance.scales.tau)
         if interval * fastest > MOST_RADIANS:
@@ -332,6 +347,7 @@ class Energy(Check):
                 "a drive does work on the system, the run does not report how much, and"
                 " positions and velocities at its samples do not show it"
             )
+        # |E - W - E0|, with W the integral of the power of the forces without a potential.
         change = np.abs(energy - energy[0] - work.done) / scale
         return Imbalance(
             "The change of energy less the work of the forces (integrated between samples)",
@@ -341,6 +357,7 @@ class Energy(Check):
 
     def _dissipation(self, subject: Subject, variant: Variant, run: CompletedRun) -> Finding:
         """The finding that dissipated work never decreases: W(t) >= W(s) for all s < t."""
+        # max over s <= t of W(s), less W(t): 0 for a work that never decreases.
         work = run.trajectory.channels["dissipated_work"].reshape(len(run.trajectory.t), -1).sum(
             axis=1
         ) / energy_scale(subject.instance)
@@ -377,6 +394,7 @@ class Energy(Check):
         drift = abs(float(np.mean(energy[-quarter:]) - np.mean(energy[:quarter])))
         level = subject.levels[-1]
         order = subject.order
+        # bound = TERMS (C (h/tau)^p outgrown + rounding).
         of_step = subject.method.constant * (level / subject.instance.scales.tau) ** order
         truncation = of_step * _outgrown(subject, run.trajectory)
         of_places = subject.round_off(level) * _position_rounding(subject)
@@ -446,8 +464,9 @@ def _outgrown_by_force(subject: Subject, run: Trajectory) -> Array | float:
 
         |dE| <= |F| e L + m |v| e V,   E_s = m V^2,   L = V tau,
 
-    so that |dE|/E_s <= e (|a| tau/V + |v|/V). In a rotating fluid the motion grows in proportion to
-    itself, and the error e of a step with it: the factor is then squared.
+    so that |dE|/E_s <= e (|a| tau/V + |v|/V). The factor is max(1, |a| tau/V, |v|/V), and TERMS
+    covers the sum. In a rotating fluid the motion grows in proportion to itself, and the error e of
+    a step with it: the factor is then squared.
     """
     scene = subject.instance.scene
     if scene.all(PiecewiseField):
@@ -459,6 +478,7 @@ def _outgrown_by_force(subject: Subject, run: Trajectory) -> Array | float:
     if not yields and not scene.is_driven():
         return 1.0
     scales = subject.instance.scales
+    # |a| tau/V from differences |v(t') - v(t)|/(t' - t), and |v|/V; each the largest of all bodies.
     change = np.linalg.norm(np.diff(run.velocity, axis=0), axis=-1)
     interval = np.abs(np.diff(run.t))[:, None]
     accelerations = np.max(change / interval, axis=1, initial=0.0) * scales.tau / scales.speed
@@ -524,14 +544,14 @@ def _rubs_by_springs(scene: Scene) -> bool:
 
 
 def _has_two_levers(scene: Scene) -> bool:
-    """True if slip and torque of friction have levers of their own."""
+    """True if slip and torque of friction have different levers."""
     return any(law.has_two_levers for law in scene.all(Contact))
 
 
 def _stiffens(scene: Scene) -> bool:
     """True if tangential springs stiffen with the normal load (Hertz's law).
 
-    Such a spring does not return the work that stretched it, so it has no potential energy.
+    Such a spring does not return the work done on it, so it has no potential energy.
     """
     return _rubs_by_springs(scene) and "contact:hertz" in scene.features
 
@@ -553,6 +573,7 @@ def _rod_rounding(subject: Subject) -> Array | float:
     ):
         return 0.0
     # Methods with a tolerance choose their steps: at most so many per tau.
+    # c u sqrt(n) |t - t(0)|/tau.
     steps = max(float(len(t)), CLOCK_STEPS * scales.duration / scales.tau)
     drift: Array = (
         ROUND_OFF_FACTOR * method.round_off * np.sqrt(steps) * np.abs(t - t[0]) / scales.tau
@@ -584,6 +605,7 @@ def _position_rounding(subject: Subject) -> float:
     The factor is large where bodies meet slowly in stiff contacts. Overlaps are differences of
     positions r, so that u |r| replaces u L where |r| > L.
     """
+    # max(1, |r|/L) sqrt(E_s/(2 E0)), with |r|/L only where bodies touch.
     distance = (
         float(np.linalg.norm(subject.instance.scene.bodies.position, axis=1).max())
         / subject.instance.scales.length

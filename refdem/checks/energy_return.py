@@ -1,5 +1,7 @@
-"""Kinetic energy gained forward is lost on the way back, where forces depend on position and
-orientation only.
+"""Kinetic energy gained in the forward run is lost in the backward run, where forces depend on
+position and orientation only.
+
+    gain = K(T) - K(0) = m (v_T^2 - v_0^2)/2,   gain + return = 0
 """
 
 from collections.abc import Mapping
@@ -60,7 +62,10 @@ class EnergyReturn(Check):
         true_gain = 0.5 * float(scene.bodies.mass[0]) * (speeds[1] ** 2 - speeds[0] ** 2)
         fastest = float(max(1.0, np.abs(truth.value("v")).max() / instance.scales.speed))
         # A relative error of the velocity is scaled by its largest value.
+        # E_s max(1, |v|/V)^2. An error e of the velocity at both ends changes the gain by at most
+        # TERMS e of that.
         unit = instance.scales.energy * fastest**2
+        # K(T) - K(0), forward and backward.
         gain = forward[-1] - forward[0]
         return_gain = backward[-1] - backward[0]
         allowed = float(subject.bound(subject.levels[-1])[-1])
@@ -69,9 +74,11 @@ class EnergyReturn(Check):
         # Errors of the forward run grow on the way back as well. A reversible method undoes its own
         # truncation there, so that only round-off remains.
         if is_exact:
+            # 2 u_n S^2, for the growth S of errors in each direction.
             velocity_error = 2 * subject.round_off(subject.levels[-1]) * growth**2
             return_basis = "round-off of the forward and the backward run"
         else:
+            # 2 bound S: the error of the forward run grows by S on the way back.
             velocity_error = 2 * allowed * growth
             return_basis = "twice the error bound of the velocity, forward and backward"
         gain_error = judged(

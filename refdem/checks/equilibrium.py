@@ -60,6 +60,7 @@ class Equilibrium(Check):
         scene = subject.instance.scene
         rod = scene.all(Rod)[0]
         theta = _angles(scene, run.position[:, rod.a])
+        # w0 = sqrt(|g|/l).
         w0 = float(np.sqrt(np.linalg.norm(scene.all(UniformGravity)[0].g) / rod.length))
         delta = float(_angles(scene, scene.bodies.position)[0])
         if _is_top(scene):
@@ -72,15 +73,19 @@ class Equilibrium(Check):
         """The finding on theta(t) from near the top, as long as delta cosh(w0 t) <= SMALL.
 
         theta'' = w0^2 sin(theta) = w0^2 (theta - theta^3/6 + ...) has the solution delta cosh(s) -
-        delta^3 c3(s) + ... with s = w0 t. The third-order term satisfies c3'' - c3 = cosh^3(s)/6,
-        and is bounded by (cosh^3(s)/8 + 3 s sinh(s)/8)/6. Higher terms are covered by the factor
-        1.1.
+        delta^3 c3(s) + ... with s = w0 t. The third-order term satisfies c3'' - c3 = cosh^3(s)/6
+        with c3(0) = c3'(0) = 0, so that
+
+          c3 = (cosh(3 s) - cosh(s))/192 + s sinh(s)/16 <= (cosh^3(s)/8 + 3 s sinh(s)/8)/6.
+
+        Higher terms are covered by the factor 1.1.
         """
         phase = w0 * (t - t[0])
         # cosh overflows beyond 710.
         is_small = np.abs(delta) * np.cosh(np.minimum(phase, 700.0)) <= SMALL
         phase = phase[is_small]
         first = delta * np.cosh(phase)
+        # |delta|^3 (cosh^3(s)/8 + 3 s sinh(s)/8)/6.
         third = np.abs(delta) ** 3 / 6 * (np.cosh(phase) ** 3 / 8 + 3 * phase * np.sinh(phase) / 8)
         allowed = _angle_error(subject, delta)[is_small]
         return worst(
@@ -106,13 +111,15 @@ class Equilibrium(Check):
 
         Lindstedt's series to third order, with w = w0 (1 - delta^2/16), is
 
-          theta = delta cos(w t) + delta^3/192 (cos 3wt - cos wt),
+          theta = delta cos(w t) - delta^3/192 (cos 3wt - cos wt),
 
-        so theta differs from delta cos(w0 t) by at most delta^3 (w0 t/16 + 1/96).
+        so theta differs from delta cos(w0 t) by at most |delta|^3 (w0 t/16 + 1/96). Conservation of
+        energy bounds |theta| by |delta|.
         """
         phase = w0 * np.abs(t - t[0])
         allowed = _angle_error(subject, delta) * (1 + phase)
         first = delta * np.cos(phase)
+        # |delta|^3 (w0 t/16 + 1/96).
         third = np.abs(delta) ** 3 * (phase / 16 + 1 / 96)
         bounded = worst(
             check=self.name,
@@ -150,6 +157,7 @@ def _angle_error(subject: Subject, delta: float) -> Array:
         amplitude = abs(delta)
     else:
         amplitude = 1.0
+    # truncation(h) |delta| + u_n; for a tolerance, truncation + u_n.
     error: Array = subject.truncation(level) * amplitude + subject.round_off(level)
     return error
 
@@ -176,6 +184,7 @@ def _angles(scene: Scene, position: Array) -> Array:
     vertical = gravity / np.linalg.norm(gravity)
     if _is_top(scene):
         vertical = -vertical
+    # theta = atan2(component of the arm across the vertical, component along it).
     arm = _arms(scene, position)
     start = _arms(scene, scene.bodies.position[0])
     across = start - (start @ vertical) * vertical

@@ -280,6 +280,7 @@ def _error_from_halvings(
     if method.control == "step" and not method.complete_state:
         times = instance.times[:count]
         beside = np.where(np.abs(times - times[0]) < MEMORY * used[0], np.inf, beside)
+    # bound = safety change + floor(h) S, plus the error of steps that straddle kinks.
     safety = _safety(subject, ratio, len(changes), finest)
     implied = _implied_changes(subject, by_quantity, ratio)
     bounds = {name: safety * change + beside for name, change in implied.items()}
@@ -300,6 +301,7 @@ def _implied_changes(
     }
     own = {}
     for name, of_levels in so_far.items():
+        # max over k of c_k ratio^-k, where c_k is the change k halvings before the last.
         implied = [change / ratio**k for k, change in enumerate(reversed(of_levels))]
         own[name] = np.maximum.reduce(implied)
     largest = np.maximum.reduce(list(own.values()))
@@ -326,6 +328,7 @@ def _ratio_of(subject: Subject, changes: list[Array], rounding: Array) -> float 
         if np.any(changes[0] > rounding):
             return subject.levels[-2] / subject.levels[-1]
         return None
+    # 2^p, or c_before/c_last if that is less than half of it and above 1.
     claimed: float = 2.0**subject.order
     if kinked(subject.instance, subject.method) or not np.any(changes[-1] > rounding):
         return claimed
@@ -416,6 +419,7 @@ def _decisive_sample(error: Array, allowed: Array) -> int:
     # NaN is beyond its bound: `not share <= 1`.
     if not np.max(share) <= 1:
         return int(np.argmax(share))
+    # The largest error among samples with share >= NEARLY max(share).
     is_candidate = share >= NEARLY * np.max(share)
     return int(np.argmax(np.where(is_candidate, error, -1.0)))
 
@@ -432,6 +436,7 @@ def _decisive_level(
     """
     shares: dict[float, float] = {}
     for level, bound in bounds.items():
+        # max over t of error/bound.
         shares[level] = float(np.max(errors_by_level[level][: len(bound)] / bound))
     # NaN counts as beyond its bound: `not share <= 1`.
     decisive = [level for level in bounds if not sights[level].is_blind or not shares[level] <= 1]

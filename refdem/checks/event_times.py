@@ -295,6 +295,11 @@ def predicted(
     certified one, and that one may be reported early; contacts end only once. Impacts in sequence
     that are due from the ill-conditioned one on, until tau/10 after the others, may come earlier or
     later.
+
+    With E the error of the state at the crossing, r the radius of the certified time and c the
+    rounding of the clock (`ticks`), the bound is
+
+        min(shift(E_claimed), shift(E_observed) + interpolation) + r + c.
     """
     bound = subject.bound(subject.levels[-1])
     times = subject.instance.times[: truth.until]
@@ -308,6 +313,7 @@ def predicted(
         by_time += [(crossing, name) for crossing in crossings_of_kind]
     by_time.sort(key=lambda pair: pair[0].time)
     for number, (crossing, kind) in enumerate(by_time):
+        # E_claimed at the crossing, and the smallest t with |g'| t - |g''| t^2/2 = E_claimed.
         error = error_at(crossing, bound, times)
         shift_by_claims = shift(error, crossing)
         if shift_by_claims > HORIZON * tau:
@@ -326,9 +332,11 @@ def predicted(
                 f" event happens, and {error:.2g} is allowed"
             )
             return Predicted(events, last, last, reason)
+        # The same with the observed error, plus the error |g''| h^2/(8 |g'|) of the interpolation.
         observed_error = error_at(crossing, observed_bound, times)
         shift_as_observed = shift(observed_error, crossing) + interpolated(subject, crossing)
         smaller_shift = min(shift_by_claims, shift_as_observed)
+        # allowed = min(of both) + radius of the certified time + rounding of the clock.
         allowed = smaller_shift + crossing.radius + ticks(subject, crossing.time)
         if crossing.time > end:
             return Predicted(events, end, min(end, crossing.time - allowed), truth.reason)
@@ -353,6 +361,7 @@ def late_by(
     observed_bound = seen_bound(subject, truth, run)
     found = []
     for crossing in known:
+        # allowed = min(shift(E_claimed), shift(E_observed) + interpolation) + radius + clock.
         by_claims = shift(error_at(crossing, bound, times), crossing)
         observed_error = error_at(crossing, observed_bound, times)
         as_observed = shift(observed_error, crossing) + interpolated(subject, crossing)
@@ -371,6 +380,7 @@ def seen_bound(subject: Subject, truth: SampledTruth, run: Trajectory) -> Array:
     (`SampledTruth.growth`).
     """
     level = subject.levels[-1]
+    # bound(t) = room max over s <= t of |e(s)| + floor S(t).
     rounding: Array = subject.floor(level) * truth.growth()
     return room_of(subject) * largest_so_far(subject, level, run, truth) + rounding
 
@@ -387,6 +397,7 @@ def interpolated(subject: Subject, crossing: Crossing) -> float:
     if crossing.rate == 0:
         return inf
     level = subject.levels[-1]
+    # |g''| h^2/(8 |g'|), times (h/tau)^(p - 2) for p > 2.
     of_chord = crossing.bend * level**2 / (8 * crossing.rate)
     extra_order = max(0.0, subject.order - 2.0)
     return of_chord * float((level / subject.instance.scales.tau) ** extra_order)
@@ -407,6 +418,7 @@ def ticks(subject: Subject, time: float) -> float:
         roundings = steps_at(subject.instance, subject.method, level)
     else:
         roundings = 0.0
+    # u max(ROUND_OFF_FACTOR, number of steps) |t|.
     rounding = subject.method.round_off * max(ROUND_OFF_FACTOR, roundings) * abs(time)
     if located(subject):
         return rounding

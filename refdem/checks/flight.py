@@ -67,6 +67,7 @@ class Flight(Check):
         scene = subject.instance.scene
         scales = subject.instance.scales
         rounding = subject.round_off(subject.levels[-1])
+        # v dt.
         displacement = run.velocity[:-1] * np.diff(run.t)[:, None, None]
         is_free = _is_in_free_flight(scene, run, displacement, rounding)
         if subject.method.control == "step" and not subject.method.complete_state:
@@ -75,6 +76,7 @@ class Flight(Check):
             is_free = _for_some_time(is_free, ceil(MEMORY * subject.levels[-1] / interval))
         if not is_free.any():
             return []
+        # r(t + dt) - r(t) - v dt, of the nearest periodic image.
         deviation = _nearest_image(scene, run.position[1:] - run.position[:-1] - displacement)
         distance_scales = np.max(np.abs(run.position)) / scales.length
         path_scales = np.max(np.abs(run.velocity)) * scales.duration / scales.length

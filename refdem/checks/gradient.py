@@ -9,10 +9,10 @@ Each column is judged in units of its own size G_p = max |D_qp| / scale_q so far
 quantity at any sample up to then. The derivatives of a method of order p are those of the equations
 of first variation by the same method, so that they have its order: the error of a column is at most
 
-    PREDICTION_FACTOR bound(h) G_p,
+    PREDICTION_FACTOR bound(h) max(G_p, 1/|p|).
 
-or bound(h)/|p| where that is more: an error of the state that is a part bound(h) of its scale, and
-that varies with p as the motion does, changes by as much when p does by all of itself. Where the
+The second term is for a number to which the motion is insensitive: an error bound(h) of the state
+that depends on p may change by all of itself when p does by all of itself. Where the
 error falls as h^p, it follows from the changes by the last halvings of the step, as for a state
 (checks/error.py): e(h/2) = |D(h) - D(h/2)| / (2^p - 1). A program may take its derivatives by
 central differences of its runs: the rounding that these leave is allowed.
@@ -70,8 +70,8 @@ DIFFERENCES = 2.0**-36
 cancellation up to a hundred times as much. Rounding adds to it (core/scene_numbers.py).
 """
 FELT = 2.0**-10
-"""Size of a column, in scales a part of the number, below which a number is not felt: its
-derivatives are then judged on the scale of a number that changes quantities by so much.
+"""Smallest |p| G_p of a column that sets the scale of its errors: the change of a quantity, in
+units of its scale, for a relative change 1 of p. Below it, errors are judged in units of FELT/|p|.
 """
 LARGEST = 1e250
 """Size of a derivative from which on sums and products with scales may overflow."""
@@ -86,8 +86,8 @@ class Column:
     """The derivatives by one number of the case in units of their size, at the judged samples.
 
     `errors` and `slopes` (levels, quantities, samples) are those of every level, `floor` (samples,)
-    is what rounding may leave, `weak` (samples,) how much more the state may err than a column of
-    this size: 1/(|p| G_p), at least 1.
+    is the error that rounding may cause, `weak` (samples,) is the factor max(1, 1/(|p| G_p)) on the
+    claimed error of a column of this size.
     """
 
     number: str
@@ -155,11 +155,13 @@ class Gradient(Check):
         self, subject: Subject, columns: Sequence[Column], samples: Sequence[int]
     ) -> Finding:
         """The finding on the derivative that is furthest out of its bound at the finest level."""
+        # PREDICTION_FACTOR (tau/h)^(p - n) bound(h).
         of_state = subject.bound(subject.levels[-1])[list(samples)]
         claimed = PREDICTION_FACTOR * _lost_order(subject) * of_state
         worst: tuple[float, float, float, str] | None = None
         for column in columns:
             allowed = _allowed(subject, column, claimed)
+            # Largest error over its bound, by sample; the sample where this is largest is reported.
             share = np.max(column.errors[-1] / allowed, axis=0)
             sample = int(np.argmax(share))
             quantity = int(np.argmax(column.errors[-1][:, sample]))
@@ -246,8 +248,8 @@ def _rates(
 
 
 def _refusal(run: Trajectory, key: str) -> str:
-    """Why the derivatives of a run by a number of the scene cannot be compared; empty if they can
-    be.
+    """The reason why the derivatives of a run by a number of the scene cannot be compared; empty
+    if they can be.
     """
     if key not in run.derivatives:
         return f"The run has no derivatives by {key}, which the request asked for."
@@ -266,6 +268,7 @@ def _usable(columns: Sequence[Column]) -> list[float]:
     """
     of_columns = []
     for column in columns:
+        # An error shows an order where it is above rounding and below SMALL.
         largest = np.max(column.errors, axis=(1, 2))
         floor = COUNTING_FLOOR * float(np.max(column.floor))
         of_columns.append(largest[(floor < largest) & (largest < SMALL)])
@@ -290,6 +293,7 @@ def _derivative_order(subject: Subject) -> float:
 
 def _lost_order(subject: Subject) -> float:
     """(tau/h)^(p-n): how much more than the state a derivative may err at the finest level."""
+    # p - n, the claimed order of the state less that of derivatives.
     lost = subject.order - _derivative_order(subject)
     if lost <= 0.0:
         return 1.0
@@ -302,8 +306,11 @@ def _scatters(subject: Subject) -> bool:
 
 
 def _samples(subject: Subject, truth: SampledTruth) -> list[int]:
-    """The samples at which derivatives are judged: those nearest before PARTS of the motion up to
-    the horizon that no event comes within a step of.
+    """The samples at which derivatives are judged: the last ones before PARTS of the motion up to
+    the predictability horizon that are clear of events.
+
+    They are further from every event than an eighth of the sample interval, and, for fixed steps,
+    than the coarsest step.
     """
     count = scored(subject.bound(subject.levels[-1]))
     times = subject.instance.times
@@ -331,7 +338,14 @@ def _columns(
     samples: Sequence[int],
     matrix: CertifiedMatrix,
 ) -> list[Column]:
-    """The column of every number of the case by which derivatives are certified."""
+    """The column of every number p of the case by which derivatives are certified.
+
+    With D_q the certified derivative of the quantity q by p, r_q the radius of its certified
+    interval and s_q the scale of q, errors and slopes are in units of s_q G, where
+
+        G(t) = max(FELT/|p|, max over q and s <= t of |D_q(s)|/s_q).
+    """
+    # floor(h) S(t) + DIFFERENCES, with the growth S of errors made earlier.
     rounding = subject.floor(subject.levels[-1]) * truth.growth()[list(samples)] + DIFFERENCES
     columns = []
     for number in matrix.numbers:
@@ -354,11 +368,14 @@ def _columns(
             continue
         scales = np.array([subject.instance.quantities[name].scale for name in names])[:, None]
         proven = np.array([[row[name][number.name] for row in matrix.of] for name in names])
+        # G(t) = max(FELT/|p|, max over q and s <= t of |D_q(s)|/s_q).
         sizes = np.maximum.accumulate(np.max(np.abs(proven[..., 0]) / scales, axis=0))
         sizes = np.maximum(sizes, FELT / value)
         unit = scales * sizes
+        # max(0, |D_run - D_q| - r_q) / (s_q G).
         slopes = np.array([[of[name][list(samples)] for name in names] for of in told])
         errors = np.maximum(0.0, np.abs(slopes - proven[..., 0]) - proven[..., 1])
+        # floor(h) S(t) + DIFFERENCES + left/G;   weak = max(1, 1/(|p| G)).
         floor = rounding + left / sizes
         weak = np.maximum(1.0, 1.0 / (value * sizes))
         columns.append(Column(number.name, names, errors / unit, slopes / unit, floor, weak))
@@ -374,9 +391,12 @@ def _allowed(subject: Subject, column: Column, claimed: Array) -> Array:
     levels = len(subject.levels)
     if subject.method.control == "step" and levels >= 3 and not _scatters(subject):
         ratio = 2.0 ** _derivative_order(subject)
+        # c_k = max over q of |D(h_k) - D(h_(k+1))|, the change by each halving of the step.
         changes = np.max(np.abs(np.diff(column.slopes, axis=0)), axis=1)
         # Terms of the last change may cancel; the change before it implies 2^-p times its own.
         change = np.maximum(changes[-1], changes[-2] / ratio)
+        # PREDICTION_FACTOR max over s <= t of c(s) / (2^p - 1): what a sum of further changes, each
+        # 2^-p of the one before, leaves.
         implied = PREDICTION_FACTOR * np.maximum.accumulate(change) / (ratio - 1.0)
         allowed = np.minimum(claimed, implied)
     bound: Array = allowed + column.floor

@@ -39,9 +39,9 @@ from refdem.scene.elements.spring import Spring
 Complex = NDArray[np.complex128]
 
 LEAST_PART = 1e-3
-"""Smallest |a(0)|, relative to its scale, of a start that shows the growth."""
+"""Smallest |a(0)|, relative to V + |q2| L, of a start from which the growth can be determined."""
 LARGEST_ERROR = 0.5
-"""Largest relative error of a(t) from which a rate is read."""
+"""Largest relative error of a(t) from which a rate is computed."""
 
 
 class GrowthRate(Check):
@@ -90,29 +90,36 @@ class GrowthRate(Check):
             if variant in runs
         }
         since = (subject.instance.times - subject.instance.times[0])[1:count]
-        # An error of one scale of the state is at most sqrt(2) (V + |q2| L) in a(t), as x and y, vx
-        # and vy may each have it; `size` is that over |a(0)| exp(Re q1 t).
+        # An error of one scale in each of x, y, vx and vy changes a(t) by at most
+        # sqrt(2) (V + |q2| L). Relative to |a(t)| this is
+        #     size(t) = sqrt(2) (V + |q2| L) / (|a(0)| exp(Re(q1) t)).
         start = abs(_start_of(subject.instance.scene, second))
         size = np.sqrt(2.0) * _scale(subject, second) / (start * np.exp(first.real * since))
+        # Relative error of a(t): size(t) bound(t).
         lost = size * allowed[1:count]
         usable = lost < LARGEST_ERROR
         if not np.any(usable):
             why = "no state of the run is known well enough to determine a rate"
             return [undecided(self.name, "rate", why)]
+        # |ln(1 + e)| <= -ln(1 - |e|) for a relative error |e| < 1 of a(t).
         with np.errstate(invalid="ignore", divide="ignore"):
             bounds = np.where(usable, -np.log1p(-lost), np.inf)
         basis = "the error bound of the state at that time, as a part of what has grown until then"
         if len(off) > 2:
             errors = [np.abs(values) for values in off.values()]
+            # COUNTING_FLOOR noise(h) size(t) S(t), with the growth S of errors made earlier.
             rounding = COUNTING_FLOOR * subject.noise(level) * size * truth.growth()[1:count]
             extrapolated = left_at_finest(subject, *errors) + rounding
             if np.any(extrapolated < bounds):
                 basis = "the error extrapolated from the coarsest step with the claimed order"
             bounds = np.minimum(bounds, np.where(usable, extrapolated, np.inf))
+        # The error of q1 is that of ln(a(t)/a(0)) over t. The sample with the smallest bound is
+        # judged.
         bounds = bounds / since
         best = int(np.argmin(bounds))
         bound = float(bounds[best])
         error = complex(off[subject.finest][best]) / float(since[best])
+        # Re(q1) as observed: ln|a(t)/a(0)|/t.
         rate = first.real + error.real
         return [
             judged(
@@ -140,6 +147,7 @@ def roots(scene: Scene) -> tuple[complex, complex]:
         damping += dashpot.damping
         push += dashpot.damping * dashpot.rate[2]
     stiffness = scene.all(Spring)[0].stiffness
+    # q = -c/(2 m) +- sqrt((c/(2 m))^2 - k/m + i K/m). The principal root has a real part >= 0.
     middle = -damping / (2 * mass)
     half_gap = np.sqrt(complex(middle**2 - stiffness / mass, push / mass))
     return complex(middle + half_gap), complex(middle - half_gap)
@@ -165,6 +173,7 @@ def _is_shaft(scene: Scene) -> bool:
 
 def _part(position: Array, velocity: Array, scene: Scene, second: complex) -> Complex:
     """a = z' - q2 z (T,) [m/s] of places and velocities (T, 3)."""
+    # a = (vx + i vy) - q2 (x + i y), with x, y from the anchor of the spring.
     place = position - np.array(scene.all(Spring)[0].anchor_b)
     part: Complex = velocity[:, 0] + 1j * velocity[:, 1] - second * (place[:, 0] + 1j * place[:, 1])
     return part
@@ -176,10 +185,11 @@ def _start_of(scene: Scene, second: complex) -> complex:
 
 
 def _off(scene: Scene, run: Trajectory) -> Complex:
-    """ln (a(t)/(a(0) exp(q1 t))) (T,) along a run: t times the error of q1; infinite where nothing
-    is left of a(t).
+    """ln(a(t)/(a(0) exp(q1 t))) (T,) along a run: t times the error of q1, its imaginary part in
+    (-pi, pi]; infinite where a(t) = 0.
     """
     first, second = roots(scene)
+    # a(0) exp(q1 t).
     expected = _start_of(scene, second) * np.exp(first * (run.t - run.t[0]))
     part = _part(run.position[:, 0], run.velocity[:, 0], scene, second)
     with np.errstate(divide="ignore", invalid="ignore"):
@@ -188,7 +198,7 @@ def _off(scene: Scene, run: Trajectory) -> Complex:
 
 
 def _scale(subject: Subject, second: complex) -> float:
-    """V + |q2| L [m/s]: the size of a for a state of the size of its scales."""
+    """V + |q2| L [m/s]: the size of a = z' - q2 z for |z| = L and |z'| = V."""
     scales = subject.instance.scales
     return float(scales.speed + abs(second) * scales.length)
 

@@ -21,7 +21,7 @@ from refdem.core.refinement import kinked, scored
 from refdem.core.variant import Variant
 
 SETTLED = 0.3
-"""Largest deficit of the observed order at which errors count as a power of the step; twice the
+"""Largest deficit of the observed order for which errors count as a power of the step: twice the
 tolerance of the check `order`.
 """
 
@@ -77,6 +77,8 @@ class Limit(Check):
             return [undecided(self.name, "state", why)]
         order = subject.order
         errors = [signed(subject, run, truth, count) for run in (coarse, middle, fine)]
+        # floor = 3 max over t of resolution(h) S(t), plus the rounding of truth: the weights
+        # 2^p/(2^p - 1) and 1/(2^p - 1) of two errors sum to at most 3, for p = 1.
         of_run = float(np.max(subject.resolution(subject.levels[-1]) * truth.growth()[:count]))
         floor = 3 * of_run + rounding_of_truth(subject, truth, count)
         largest = [float(np.max(np.abs(error), initial=0.0)) for error in errors]
@@ -88,6 +90,7 @@ class Limit(Check):
             (2**order * b - a) / (2**order - 1) for a, b in pairwise(errors)
         )
         last_change = float(np.max(np.abs(coarse_limit - fine_limit), initial=0.0))
+        # f = 2^(p+1);   |E(h/2)| <= min(1, PREDICTION_FACTOR/(f - 1)) |E(h) - E(h/2)| + floor.
         ratio = 2.0 ** (order + 1)
         share = min(1.0, PREDICTION_FACTOR / (ratio - 1))
         return [
@@ -110,8 +113,9 @@ class Limit(Check):
 
 
 def _extrapolates_a_kink(subject: Subject) -> bool:
-    """True if a force |s|^n makes an error of order n + 1 <= p + 1, which extrapolation with the
-    order p leaves, and which scatters from step to step.
+    """True if a force |s|^n causes an error of order n + 1 <= p + 1.
+
+    Extrapolation with the order p does not remove it, and it scatters from step to step.
     """
     if subject.method.locates_events:
         return False

@@ -241,6 +241,7 @@ class Lyapunov(Check):
         """
         duration = float(t[-1] - t[0])
         is_faster = observed.exponent > true.exponent
+        # 3 (sigma_observed + sigma_true) + ln(FACTOR)/T.
         bound = 3 * (observed.error + true.error) + float(np.log(FACTOR)) / duration
         basis = (
             "three standard errors of both exponents, plus ln 10 over the time for"
@@ -253,6 +254,7 @@ class Lyapunov(Check):
             factor = SLOWER
             exception = f"and few grow less by a factor of {SLOWER:g}"
         # While the run is on the true trajectory, its growth is between S/SLOWER and FASTER S.
+        # ln(FASTER)/T or ln(SLOWER)/T.
         tight = float(np.log(factor)) / duration
         if tight < bound and np.max(subject.bound(subject.levels[-1])[: len(t)]) < SATURATED:
             bound = tight

@@ -121,11 +121,12 @@ def _in_slow_motion(subject: Subject) -> float:
 
     It is 1 for velocities that are rounded relative to their own size. Velocities computed as
     differences of positions have the rounding errors of positions, u V with the speed scale V =
-    L/tau, however slowly the bodies move: the factor is (sum m) V/(sum m |v|).
+    L/tau, at any speed of the bodies: the factor is (sum m) V/(sum m |v|).
     """
     if not subject.method.differenced_velocities:
         return 1.0
     instance = subject.instance
+    # max(1, (sum m) V / sum m |v(0)|).
     unit = float(instance.scene.bodies.mass.sum()) * instance.scales.speed
     return max(1.0, unit / momentum_scale(instance))
 
@@ -220,6 +221,7 @@ def _flights(subject: Subject, truth: SampledTruth, run: Trajectory) -> Array:
         if number == len(late):
             is_flight[end >= impact.time] = False
             break
+        # [begin, end] and [t_i - late_i, t_i + late_i] intersect.
         may_meet = (end >= impact.time - late[number]) & (begin <= impact.time + late[number])
         for body in impact.bodies:
             is_flight[may_meet, body] = False

@@ -67,7 +67,7 @@ OCTAVES = 14
 """log2 of the odds, 1 in 16,000, beyond which all events do not lie near samples by chance."""
 
 WHOLE = 0.9
-"""Deficit, nearly a whole order, at which a single pair of levels speaks against the claim.
+"""Deficit, nearly a whole order, at which a single pair of levels contradicts the claim.
 
 One pair does not distinguish a lower order from terms that cancel.
 """

@@ -81,6 +81,7 @@ class PhaseArea(Check):
         if count < MIN_SAMPLES:
             why = "the outline has too few points for the way it stretches"
             return [undecided(self.name, "area", why)]
+        # |A(t) - A_true(t)|/A(0) <= polygon error + rounding S(t), with the growth S of errors.
         error = np.abs(phase_area(x, v)[:count] - truth.value("area")[:count]) / initial
         rounding_error = rounding(subject, x, v)[:count] * truth.growth()[:count] / initial
         allowed = polygon_error[:count] + rounding_error
@@ -110,6 +111,7 @@ def polygon(x: Array, v: Array, part: float) -> Array:
     lacks 1/12 of that difference where everything is smooth, and more where a turning point breaks
     a side.
     """
+    # part max over s <= t of |A_(N/2)(s) - A_(N/4)(s)|.
     difference = np.abs(phase_area(x[:, ::2], v[:, ::2]) - phase_area(x[:, ::4], v[:, ::4]))
     bound: Array = part * np.maximum.accumulate(difference)
     return bound
@@ -119,6 +121,7 @@ def rounding(subject: Subject, x: Array, v: Array) -> Array:
     """Round-off (T,) of an area: one of x times the length of the outline in v, and the
     reverse.
     """
+    # CORNER_ROUNDINGS u_n (max|v| length(x) + max|x| length(v)).
     largest_x, largest_v = (np.abs(column).max(axis=1) for column in (x, v))
     perimeter_area: Any = largest_v * _length(x) + largest_x * _length(v)
     area: Array = CORNER_ROUNDINGS * subject.round_off(subject.levels[-1]) * perimeter_area

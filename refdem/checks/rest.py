@@ -1,4 +1,4 @@
-"""A body at rest on which no net force acts stays at rest."""
+"""A body at rest on which no net force acts stays at rest: |r(t) - r(0)| = 0 and |v(t)| = 0."""
 
 from collections.abc import Mapping
 
@@ -36,6 +36,7 @@ class Rest(Check):
             return [undecided(self.name, "rest", no_truth(subject))]
         run = runs[subject.finest].trajectory
         scales = subject.instance.scales
+        # max over bodies of |r(t) - r(0)|/L and of |v(t)|/V.
         moved = run.position - subject.instance.scene.bodies.position
         displacement = np.linalg.norm(moved, axis=-1).max(axis=1)
         # The mean speed of creep over the second half, for the finding's sentence.

@@ -196,8 +196,12 @@ class Reversal(Check):
         """The finding on the order of the return defect between a level and the next coarser one
         that is run back: p if p is odd, p + 1 if p is even.
 
-        The leading error term of even order is undone on the way back. There is no finding where
-        the defect is at round-off, or below the next term of the error.
+        The backward run cancels a leading error term of even order. The observed order is
+
+            log(d(h_c)/d(h)) / log(h_c/h)
+
+        with the return defects d. There is no finding where the defect is at round-off, or below
+        the next term of the error.
         """
         order = subject.order
         if order % 2:
@@ -212,6 +216,7 @@ class Reversal(Check):
         )
         scales = subject.instance.scales
         method = subject.method
+        # With the expected order q the next term of the error is C (T/tau) (h/tau)^(q + 1).
         next_term = (
             method.constant * scales.duration / scales.tau * (finest / scales.tau) ** (expected + 1)
         )
@@ -219,6 +224,7 @@ class Reversal(Check):
         # Below round-off or the next term of the error the leading term cannot be observed.
         if not floor < fine <= coarse < HORIZON:
             return []
+        # log(d(h_c)/d(h)) / log(h_c/h).
         observed = math.log2(coarse / fine) / math.log2(coarser / finest)
         tolerance = max(0.15, 0.05 * expected)
         if tolerance < expected - observed < WHOLE:
@@ -278,12 +284,15 @@ def _return_bound(
 def _extrapolated_defect(
     subject: Subject, runs: Mapping[Variant, CompletedRun], level: float, growth: float
 ) -> float:
-    """Bound on the defect at a level: that of a coarser level divided by 2^(p octaves), with room;
-    infinite if unknown.
+    """Bound on the defect at a level from that of a coarser level; infinite if unknown.
 
-    Where the error of the way forward falls faster than claimed, as on a circular orbit, terms
-    cancel, and may cancel in the coarser defect more than in this one: the larger of the defect and
-    of the error forward counts.
+    With the defect d_c at the step h_c, the bound at the step h is
+
+        PREDICTION_FACTOR d_c (h/h_c)^p + floor(h) S.
+
+    If the error of the forward run falls faster than claimed, as on a circular orbit, terms of the
+    error cancel, and they may cancel more in the coarser defect than in this one. Then d_c is the
+    larger of the defect and the error of the forward run.
     """
     if not _has_order(subject) or len(subject.levels) < 3:
         return math.inf
@@ -298,6 +307,7 @@ def _extrapolated_defect(
         )
         if observed_order(forward, finest) > order + CANCELLING:
             coarse = max(coarse, forward)
+    # PREDICTION_FACTOR d_c (h/h_c)^p + floor(h) S.
     octaves = math.log2(coarser / level)
     of_order: float = PREDICTION_FACTOR * coarse / 2.0 ** (order * octaves)
     return of_order + subject.floor(level) * growth
@@ -342,6 +352,7 @@ def _meets_too_soon(subject: Subject, level: float, bound: float) -> str | None:
     else:
         return "steps see impacts late, and truth does not say when the first one is"
     if closing > 0:
+        # STEPS_LATE h + bound L/closing.
         delay = STEPS_LATE * level + bound * instance.scales.length / closing
     else:
         delay = math.inf

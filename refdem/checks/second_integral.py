@@ -3,8 +3,8 @@ wheel, with a counterweight of three times its mass.
 
   I = r^2 w (r' cos(theta/2) - r w sin(theta/2)/2) + g r^2 sin(theta/2) cos^2(theta/2)
 
-with w = theta' (Tufillaro 1986). It is conserved for a wheel of radius 0; for a small radius R it
-drifts in proportion to R, and a run must show that drift.
+with w = theta' (Tufillaro 1986). It is conserved for a wheel of radius 0. For a small radius R it
+drifts in proportion to R, and a run must have the same drift as truth.
 """
 
 from collections.abc import Mapping
@@ -67,6 +67,7 @@ class SecondIntegral(Check):
         # I changes its sign with every turn, so that theta must be within half a turn of truth.
         turns = np.round((true_state["theta"] - state["theta"]) / (2 * np.pi))
         state["theta"] = state["theta"] + 2 * np.pi * turns
+        # value = max over t of |(I - I(0))_run - (I - I(0))_truth| / max(r^2 |w| |v| + g r^2).
         integral = _integral(state, g)
         true_integral = _integral(true_state, g)
         scale = _largest_term(state, g)
@@ -99,6 +100,7 @@ def gravity(scene: Scene) -> Array:
 
 def _largest_term(state: Mapping[str, Array], g: float) -> float:
     """Largest r^2 |w| v + g r^2 over the run, with v the speed of the pendulum: the size of I."""
+    # |v|^2 = r'^2 + r^2 w^2,   size = max over t of r^2 |w| |v| + g r^2.
     w = state["thetadot"]
     speed = np.hypot(state["rdot"], state["r"] * w)
     r_squared = state["r"] ** 2

@@ -280,6 +280,7 @@ def _rounding(subject: Subject, truth: SampledTruth, found: Lines) -> Array:
     truth.
     """
     count = found.rows.shape[1]
+    # sum over samples of |weight| (COUNTING_FLOOR noise S scale + radius of truth).
     noise = COUNTING_FLOOR * subject.noise(subject.levels[-1]) * truth.growth()[:count]
     scale = subject.instance.quantities[PLACE].scale
     return found.amplified(noise * scale + truth.radius(PLACE)[:count])
@@ -301,6 +302,7 @@ def _bounds(
     count = found.rows.shape[1]
     level = subject.levels[-1]
     scale = subject.instance.quantities[PLACE].scale
+    # Bound of a line: sum over samples of |weight| (bound scale + radius of truth).
     of_samples = subject.bound(level)[:count] * scale + truth.radius(PLACE)[:count]
     bounds = found.amplified(of_samples)
     basis = ["the error bounds of all samples, each times its weight in the line"] * len(bounds)
@@ -309,6 +311,7 @@ def _bounds(
         first -= 1
     if len(off) - first > 2:
         followed = replace(subject, levels=subject.levels[first:])
+        # Error of line k at each level: |row_k . error of the samples|.
         left = left_at_finest(followed, *(np.abs(found.rows @ error) for error in off[first:]))
         extrapolated = left + _rounding(subject, truth, found)
         for k in np.flatnonzero(extrapolated < bounds):

@@ -18,7 +18,9 @@ from refdem.scene.elements.spring import Spring
 from refdem.scene.elements.uniform_gravity import UniformGravity
 
 SLIDE_ROOM = 2.0
-"""Factor on the way of a last half cycle, for methods whose steps are not short beside it."""
+"""Factor on the distance of a last half cycle, for methods whose steps are not short compared with
+it.
+"""
 
 
 class Stop(Check):
@@ -26,10 +28,10 @@ class Stop(Check):
 
     A body stops where k|x| <= f. Where a stop lies at the edge |x| = f/k of that range, the error
     of a method decides whether its body stops there too or slides on through half a cycle, and both
-    are right. So creep is held to what the state at the first sample after the stop makes a body
-    slide (`_slide`), which is nothing for one that is at rest inside the range. A block that a
-    floor holds may also creep by the error of the state, while its contact settles: solvers of
-    contacts iterate, and move apart what overlaps.
+    are right. So creep is bounded by the distance that a body slides from its state at the first
+    sample after the stop (`_slide`), which is 0 if it is at rest inside the range. A block on a
+    floor may also creep by the error of the state, while its contact settles: contact solvers
+    iterate and separate bodies that overlap.
     """
 
     name = "stop"
@@ -75,6 +77,7 @@ class Stop(Check):
         slide = 0.0
         creep = 0.0
         if after.any():
+            # (max x - min x)/L after the stop.
             creep = float(np.ptp(run.position[after, 0, 0])) / scales.length
             slide = _slide(subject, run, int(np.argmax(after)), level) / scales.length
         position = judged(
@@ -126,6 +129,7 @@ class Stop(Check):
         else:
             observed = 0.0
         unseen = _invisible_time(subject, visible * scales.speed, place)
+        # Sampling interval plus the time in which the motion is invisible.
         slack = subject.instance.problem.interval + unseen
         return judged(
             check=self.name,
@@ -148,12 +152,15 @@ def friction_force(scene: Scene) -> float:
     """The largest force [N] of dry friction on what slides: of sliders, or of a plane on which a
     block lies, pressed by its weight.
     """
+    # f = sum of mu N over sliders, plus sum of mu m (-g . n) over planes.
     of_sliders = sum(slider.friction * slider.normal_force for slider in scene.all(Slider))
     return float(of_sliders) + _of_planes(scene)
 
 
 def _of_planes(scene: Scene) -> float:
-    """The force [N] of rigid planes on a block of weight m g: mu m g . n; 0 of other bodies."""
+    """The friction force [N] of rigid planes on a block of mass m, the sum of mu m max(0, -g . n);
+    0 for other bodies.
+    """
     bodies = scene.bodies
     laws = [law for law in scene.all(Contact) if law.law == "rigid"]
     if len(bodies) != 1 or not isinstance(bodies.shape[0], Polyhedron):
@@ -163,6 +170,7 @@ def _of_planes(scene: Scene) -> float:
     force = 0.0
     for law in laws:
         for plane in scene.all(Plane):
+            # Normal force m (-g . n) and friction mu m max(0, -g . n).
             pressing = -float(gravity @ np.array(plane.normal))
             force += law.friction * float(bodies.mass[0]) * max(0.0, pressing)
     return force
@@ -177,7 +185,7 @@ def _slide(subject: Subject, run: Trajectory, sample: int, level: float) -> floa
 
         sqrt(D^2 + (v/w)^2) - D.
 
-    SLIDE_ROOM times that is allowed, since steps are finite, and the way of one step.
+    SLIDE_ROOM times that is allowed, since steps are finite, and |v| h, the distance of one step.
     """
     scene = subject.instance.scene
     friction = friction_force(scene)
@@ -188,6 +196,7 @@ def _slide(subject: Subject, run: Trajectory, sample: int, level: float) -> floa
     if not stiffness:
         # Friction alone stops it after v^2/(2 f/m).
         return SLIDE_ROOM * mass * v * v / (2.0 * friction) + abs(v) * level
+    # D = f/k - |x|,   v/w = |v|/sqrt(k/m),   distance = sqrt(D^2 + (v/w)^2) - D.
     to_edge = friction / stiffness - abs(x)
     of_speed = abs(v) / sqrt(stiffness / mass)
     distance = hypot(to_edge, of_speed) - to_edge
@@ -195,14 +204,14 @@ def _slide(subject: Subject, run: Trajectory, sample: int, level: float) -> floa
 
 
 def _of_slide(slide: float) -> str:
-    """What sliding on adds to the basis of the bound on creep, as a clause."""
+    """The clause on further sliding in the basis of the bound on creep."""
     if slide:
         return ", plus the way on which friction stops it from its first state after the stop"
     return ""
 
 
 def _of_settling(settling: float) -> str:
-    """What a contact that settles adds to the basis of the bound on creep, as a clause."""
+    """The clause on a contact that settles in the basis of the bound on creep."""
     if settling:
         return ", plus the error bound of the state, by which a contact may settle"
     return ""
@@ -213,20 +222,22 @@ def _invisible_time(subject: Subject, speed: float, place: float) -> float:
     than `speed` [m/s].
 
     Near the stop v = a tau sin((t_stop - t)/tau), with a the deceleration at the stop, so that
-    t_stop - t <= (pi/2) v/a. The run may be off by `speed` itself, so that it is required to move
-    only where truth is twice as fast. Where truth is never so fast in the last half cycle (a tau <=
-    2 speed), all of the half cycle and the slow end of the one before are invisible: the time since
-    truth was last so fast.
+    t_stop - t <= (pi/2) v/a, for sin(x) >= (2/pi) x. The error of the run may be `speed` itself, so
+    that a visible motion is required only where truth is faster than 2 speed. If truth never is in
+    the last half cycle (a tau <= 2 speed), all of it and the slow end of the half cycle before may
+    be invisible: the bound is the time since truth was last faster than that, at least pi tau.
     """
     scene = subject.instance.scene
     friction = friction_force(scene)
     spring_force = sum(spring.stiffness * abs(place) for spring in scene.all(Spring))
+    # a = (f - k |x_stop|)/m.
     deceleration = (friction - spring_force) / float(scene.bodies.mass.sum())
     tau = subject.instance.scales.tau
     surely_seen = 2 * speed
     # The largest speed of the last half cycle, a tau.
     fastest = deceleration * tau
     if fastest > surely_seen:
+        # (pi/2) v/a with v = 2 speed.
         return float(np.pi / 2 * surely_seen / deceleration)
     # Never fast enough in the last half cycle, which lasts pi tau.
     longest = np.pi * tau

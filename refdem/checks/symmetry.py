@@ -173,6 +173,7 @@ class Symmetry(Check):
         decided = _decided_by_rounding(subject, level.runs, growth, name)
         if _flips_nothing(subject, level.runs, compared.difference, compared.rounding):
             decided = np.zeros(len(growth))
+        # |image - plain| <= rounding + decisions by rounding, each grown by the motion.
         bounds = compared.rounding + decided
         difference = np.minimum(compared.difference, level.least_beside_impacts(name, bounds))
         count = scored(bounds)

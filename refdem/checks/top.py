@@ -21,7 +21,7 @@ OWN_SPIN = "spin about the own axis"
 """Name of the law L_3 = const, which no method claims.
 
 A method that conserves angular momentum in space may turn the body about one axis after another,
-which keeps L_3 only to its order.
+which conserves L_3 only to its order.
 """
 
 LAWS = {
@@ -97,6 +97,7 @@ class Top(Check):
                     f"{basis}, and truncation error extrapolated from the coarsest step with"
                     " the claimed order"
                 )
+        # Claim + (terms - 1) u_n; the claim includes u_n.
         allowed = allowed + (of_terms - 1.0) * subject.round_off(level)
         signal = None
         if name.startswith("L_"):
@@ -134,8 +135,8 @@ def _changes(subject: Subject, run: Trajectory) -> dict[str, Array]:
 
 
 def _momentum_scale(subject: Subject, spins: dict[str, Array]) -> float:
-    """One scale for L_z and L_3 [kg m^2/s]: the larger of them; a top at rest has none and takes
-    m L v.
+    """One scale for L_z and L_3 [kg m^2/s]: the largest |L_z| or |L_3| of the run; m L V if both
+    are 0.
     """
     scales = subject.instance.scales
     largest = max(float(np.max(np.abs(spin))) for spin in spins.values())
@@ -145,14 +146,15 @@ def _momentum_scale(subject: Subject, spins: dict[str, Array]) -> float:
 def _terms(subject: Subject, run: Trajectory) -> dict[str, float]:
     """Sizes of the terms of L_z and L_3, in the scale of both.
 
-    The spin omega is rounded along every axis by u |omega|. Across the axis of a top this has the
-    larger moment of inertia before it, although the spin there may be small:
+    The spin omega is rounded along every axis by u |omega|. Across the axis of a top this rounding
+    is multiplied by the larger moment of inertia, although the spin there may be small:
 
         L_z = sum of J_i omega_i e_i + m arm x v   has terms of up to J_max |omega| + m |arm| |v|.
     """
     scene = subject.instance.scene
     joint = scene.all(BallJoint)[0]
     bodies = scene.bodies
+    # L_z: (J_max |omega| + m |arm| |v|)/scale;   L_3: J_3 |omega|/scale.
     omega = float(np.max(np.linalg.norm(run.omega[:, joint.a], axis=1)))
     arm = np.linalg.norm(run.position[:, joint.a] - np.array(joint.anchor_b), axis=1)
     speed = np.linalg.norm(run.velocity[:, joint.a], axis=1)
@@ -168,6 +170,7 @@ def _opening(scene: Scene, run: Trajectory) -> tuple[Array, Array]:
     body's anchor.
     """
     joint = scene.all(BallJoint)[0]
+    # |r_a - r_b| and |v + omega x arm|, with r_b and its velocity 0 fixed to the world.
     first, second = joint.ends(run.position, run.attitude)
     anchor_velocity = run.velocity[:, joint.a] + np.cross(
         run.omega[:, joint.a], first - run.position[:, joint.a]
@@ -192,6 +195,7 @@ def _spins(scene: Scene, run: Trajectory) -> dict[str, Array]:
     # J omega_body, in principal axes.
     spin_body = rotated(conjugate(attitude), run.omega[:, joint.a]) * bodies.inertia[joint.a]
     arm = run.position[:, joint.a] - np.array(joint.anchor_b)
+    # L = R J omega_body + m arm x v,   L_z = L . axis,   L_3 = (J omega_body)_3.
     orbital = bodies.mass[joint.a] * np.cross(arm, run.velocity[:, joint.a])
     total = rotated(attitude, spin_body) + orbital
     momenta = {"L_z": total @ axis}

@@ -22,13 +22,13 @@ SOLID_COLUMNS = ("solid", *(name.rpartition(".")[2] for name in MASS_PROPERTIES)
 entries, xy = -integral of x y.
 """
 TRAVELLING = ("motion", "solid")
-"""The kinds of questions that programs can be asked."""
+"""The kinds of questions that a request to a program can have."""
 
 
 def most_rows(problem: "Problem") -> int:
     """Number of rows of the answer, without its header.
 
-    Raises UsageError for a kind of question that programs cannot be asked.
+    Raises UsageError for a kind of question that no request can have.
     """
     if problem.kind not in TRAVELLING:
         raise UsageError(

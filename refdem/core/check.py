@@ -76,9 +76,10 @@ class Subject:
         return refinement.resolution(self.instance, self.method, level)
 
     def floor(self, level: float) -> float:
-        """Relative error below which a difference says nothing: COUNTING_FLOOR times `noise`, or
-        the rounding of far places where that is more. The latter is a limit already, as it adds up
-        every rounding of a place.
+        """Relative error below which a difference is not significant: max(COUNTING_FLOOR noise,
+        resolution).
+
+        The rounding of far places has no factor, since it is the sum of all roundings of a place.
         """
         return max(refinement.COUNTING_FLOOR * self.noise(level), self.resolution(level))
 

@@ -38,8 +38,8 @@ class Method:
     locates_events: events have their own times, not that of the end of the step they occur in.
     cuts_steps: steps end at each kink of the force, where a contact begins, sticks, slips or ends.
     The error is then that of a smooth motion, but for the part of the step that is cut off.
-    tells: kinds of events, contact or release, of which the method tells every one, between bodies
-    and at walls; a run without them is then held to truth as well.
+    tells: kinds of events, contact or release, of which the method reports every one, between
+    bodies and at walls; a run without such events is then compared with truth as well.
     answers: the kind of questions that the method is for.
     threads: `Request.threads` may be above 1, and any number of threads gives the same bits.
     differentiates: a run comes with the derivatives of its states by numbers of the scene, where
@@ -49,7 +49,7 @@ class Method:
     by_name: it runs only if it is requested by name, and so in no campaign of all methods.
     as_shipped: the engine has its own default settings, as for a user who specifies only the scene.
     It runs if a campaign requests it (`as_shipped = true`), or by its name.
-    knows: for questions without time, the features that it can answer; it leaves out others.
+    knows: for questions without time, the features that it can answer; others are left out.
     derived: numbers that the adapter computes from others in such a way that a law about them
     always holds, each with the reason. A check of that law could not fail, and so does not apply.
     Known are `attitude` (unit quaternions), `rod` and `ball_joint` (closed joints),

@@ -202,7 +202,7 @@ def order_statement(
     """The comparison of an observed order with the claimed one, as a sentence without its stop.
 
     `deficit` is what decides: claimed less observed order, or its limit for small steps. `detail`
-    says from what the order was observed.
+    states from what the order was observed.
     """
     observed = f"Observed order {seen:.2f} ({detail})"
     if not deficit <= tolerance:
@@ -468,8 +468,8 @@ def followed(
 ) -> int:
     """Number of samples before the run's error first exceeds `within`, a part of the scale.
 
-    From there on the run follows another motion, and S, which is the error growth along the true
-    motion, says nothing about it.
+    From there on the run follows another motion, to which the error growth S along the true motion
+    does not apply.
     """
     return _samples_within(_largest_error(subject, level, run, truth), within)
 
@@ -538,8 +538,8 @@ def _signed(
 def rounding_of_truth(subject: Subject, truth: SampledTruth, count: int) -> float:
     """Largest radius of the first `count` certified values, in scales.
 
-    A value is printed as a double. That of an angle of many turns is rounded by more than a run,
-    which knows the angle within a turn.
+    A value is printed as a double. An angle of many turns is rounded by more there than in a run,
+    which has the angle modulo 2 pi.
     """
     largest = 0.0
     for name, quantity in subject.instance.quantities.items():
@@ -617,23 +617,27 @@ def distances(instance: Instance, a: Trajectory, b: Trajectory) -> Array:
     the angle by which that omega turns a body in tau, or 1 rad, for the angle between attitudes.
     Without a scene it is the largest difference of any quantity.
 
-    An impact may make a small sphere spin much faster than at the start. tau of a motion that flies
-    is that of its centres: a rounding u of omega is u omega t of the attitude, and one of the time
-    of an impact, u tau, is u omega tau.
+    An impact may make a small sphere spin much faster than at the start. In free flight tau is the
+    time scale of the centres of mass: a rounding u omega of the angular velocity changes the
+    attitude by u omega t, and a rounding u tau of the time of an impact by u omega tau.
     """
     if not isinstance(instance.problem, Motion):
         of_a = instance.observe(a)
         of_b = instance.observe(b)
+        # max over quantities of |a - b|/scale.
         largest_of_quantities: Array = np.maximum.reduce(
             [np.abs(of_a[name] - of_b[name]) / q.scale for name, q in instance.quantities.items()]
         )
         return largest_of_quantities
     scales = instance.scales
     bodies = instance.scene.bodies
+    # W = max(largest omega(0) or 1/tau, largest omega of b, m V R/J),
+    # angle scale = max(1, W tau).
     at_start = float(np.max(np.linalg.norm(bodies.omega, axis=1))) or 1.0 / scales.tau
     largest_omega = float(np.max(np.linalg.norm(b.omega, axis=2)))
     omega_scale = max(at_start, largest_omega, _spin_of_an_impulse(instance))
     angle_scale = max(1.0, omega_scale * scales.tau)
+    # max|r_a - r_b|/L,   max|v_a - v_b|/V,   max|omega_a - omega_b|/W,   angle/(angle scale).
     differences = [
         np.abs(a.position - b.position).max(axis=(1, 2)) / scales.length,
         np.abs(a.velocity - b.velocity).max(axis=(1, 2)) / scales.speed,

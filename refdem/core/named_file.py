@@ -18,8 +18,8 @@ by itself, as containers do.
 def put(path: Path, data: bytes) -> None:
     """Puts `data` at `path`, as a whole or not at all where that can be done; raises OSError.
 
-    What is no plain file keeps being what it is: /dev/null, a pipe to another program, a link to
-    standard output.
+    A path that is no plain file is written to and not replaced: /dev/null, a pipe to another
+    program, a link to standard output.
     """
     if is_replaceable(path):
         try:

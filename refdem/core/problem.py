@@ -367,6 +367,7 @@ class Request:
             steps = 0
         else:
             steps = self.stride * (len(times) - 1)
+        # |t - t_requested| <= max(1e-12, CLOCK_ROUNDINGS u, n 2^-53) max|t|, for n steps.
         relative = max(1e-12, CLOCK_ROUNDINGS * round_off, steps * 2.0**-53)
         largest_time = max(abs(times[0]), abs(times[-1]), abs(self.problem.interval))
         allowed = relative * largest_time

@@ -226,8 +226,8 @@ def start_acceleration(instance: Instance) -> float:
     directions = rod_directions(scene)
     weight = sum((np.array(field.g) for field in scene.all(UniformGravity)), np.zeros(3))
     falling = np.tile(weight, len(scene.bodies))
-    # A rod l keeps its length: 0 = l'' = G a + (v^2 - l'^2)/l, with the velocity v of one end
-    # against the other.
+    # The length l of a rod is constant: 0 = l'' = G a + (v^2 - l'^2)/l, with the velocity v of one
+    # end relative to the other.
     relative = np.array([_closing(scene, rod) for rod in scene.all(Rod)])
     lengths = np.array([rod.length for rod in scene.all(Rod)])
     lengthening = directions @ scene.bodies.velocity.ravel()
@@ -395,7 +395,7 @@ def clock(instance: Instance, method: Method, level: float) -> float:
 
     A time that is off by u t shifts the phase t/tau of the motion by u t/tau, and n additions do so
     n times. A method that chooses its steps makes one addition a sample and CLOCK_STEPS in each
-    tau. A method of fixed steps takes the right number of them whatever its clock says, so the
+    tau. A method of fixed steps takes the right number of them whatever its clock reads, so the
     clock matters only where a drive reads it.
     """
     phase = instance.scales.duration / instance.scales.tau
@@ -552,6 +552,7 @@ def levels(
     if method.control == "exact":
         return (0.0,)
     if method.control == "tolerance":
+        # 10^-4, 10^-6, 10^-8, ..., above COUNTING_FLOOR u.
         tolerances = (10.0 ** -(4 + 2 * j) for j in range(count))
         # Step control never ends with a tolerance near round-off.
         smallest = COUNTING_FLOOR * method.round_off
@@ -569,6 +570,7 @@ def levels(
     while len(chosen) < count:
         finer = chosen[-1] / 2
         steps = duration / finer
+        # Stop where T/h > most_steps, or C (T/tau) (h/tau)^p < COUNTING_FLOOR round-off.
         allowed = _final_truncation(instance, method, power, finer)
         is_enough = len(chosen) >= ORDER_LEVELS
         floor = COUNTING_FLOOR * round_off(instance, method, steps)
@@ -608,6 +610,7 @@ def past_impacts(
     most = min(most_steps, IMPACT_STEPS)
     wanted = HORIZON / SHARP
     while steps_at(instance, method, levels[-1] / 2) <= most:
+        # bound at the end of the certified motion <= HORIZON/SHARP.
         allowed = bound(instance, method, levels[0], truth)
         if allowed[-1] <= wanted:
             break

@@ -1,7 +1,7 @@
 """A replay: what a page shows of a motion, frame by frame, of truth and of one run a method.
 
-Numbers are rounded to what a screen shows: 16 bits of the largest one of a grid. A run is kept as
-its distance from truth, so that an error of any size keeps its digits.
+Numbers are rounded to the resolution of a screen, 16 bits of the largest one of a grid. A run is
+stored as its difference from truth, so that small errors have as many digits as large ones.
 """
 
 import base64

@@ -1,6 +1,6 @@
 """The lines of a request with comments, for people: what each of its parts means.
 
-The comments are the descriptions that the JSON Schema has, so that both say the same.
+The comments are the descriptions in the JSON Schema.
 """
 
 import textwrap

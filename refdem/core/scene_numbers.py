@@ -1,6 +1,6 @@
 """The numbers of a scene by their keys, and how they change with a number of a case.
 
-A program knows the numbers of its scene: `scene.bodies.0.mass` and whatever else has a key in
+A program has the numbers of its scene: `scene.bodies.0.mass` and all others with a key in
 `request.txt`. A case has numbers of its own, such as a height or a restitution, and truth is
 differentiated by these. With s the numbers of the scene, x the states that a program reports, and
 q(x, p) the quantities of a case,
@@ -107,6 +107,7 @@ def scene_rates(instance: Instance, p: Parameters, number: CaseNumber) -> dict[s
         return None
     places = list(keys)
     table = {k: np.array([scene[key] for key in places]) for k, scene in scenes.items()}
+    # ds/dp by the central difference of order 6 over p - 3 d, ..., p + 3 d.
     changes = slope(table.__getitem__) / float(distance)
     rates = dict(zip(places, changes.tolist(), strict=True))
     return {key: rate for key, rate in rates.items() if rate}

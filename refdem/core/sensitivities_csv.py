@@ -21,7 +21,7 @@ Array = NDArray[np.float64]
 
 SENSITIVITY_COLUMNS = ("number", *COLUMNS)
 STATE_BEGINS = 3
-"""The columns before it say of which number, time and body the derivatives of a row are."""
+"""Index of the first derivative; the columns before it are the number, the time and the body."""
 TURN_BEGINS = SENSITIVITY_COLUMNS.index("qw")
 """From here on all columns may be empty: the body does not rotate, and its derivatives are 0."""
 SAME_TIME = 1e-9
@@ -29,8 +29,8 @@ SAME_TIME = 1e-9
 
 
 def with_sensitivities(trajectory: Trajectory, path: Path, asked: Sequence[str]) -> Trajectory:
-    """A trajectory with the derivatives by the numbers that were `asked` for, from the file beside
-    it; as it is if none were. Raises EngineError that names the line that is wrong.
+    """A trajectory with the requested derivatives, by the numbers `asked`, from the file beside it;
+    unchanged if none are requested. Raises EngineError, naming the line, if the file is wrong.
     """
     if not asked:
         return trajectory

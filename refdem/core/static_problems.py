@@ -1,6 +1,6 @@
 """Questions without time: mass properties of solids, and programs of rotation algebra.
 
-A `Solid` asks for mass, centre of mass and tensor of inertia of a list of pieces, an `Identity` for
+A `Solid` requests mass, centre of mass and tensor of inertia of a list of pieces, an `Identity`
 the results of a list of operations (core/algebra.py), each of which may use earlier results.
 """
 
@@ -148,7 +148,7 @@ MASS_PROPERTIES = (
     *(f"centre.{x}" for x in "xyz"),
     *(f"inertia.{ij}" for ij in ("xx", "yy", "zz", "xy", "xz", "yz")),
 )
-"""The properties asked of a solid, in [kg], [m] and [kg m^2].
+"""The properties of a solid that a problem requests, in [kg], [m] and [kg m^2].
 
 `inertia.xy` is the entry of the tensor, minus the integral of x y.
 """
@@ -199,7 +199,7 @@ def properties(
 ) -> dict[str, Array]:
     """The values `<solid>.<property>`, each (1,), of all solids of the problem.
 
-    `of(piece)` returns some of MASS_PROPERTIES by name, or None if it says nothing of that piece.
+    `of(piece)` returns some of MASS_PROPERTIES by name, or None if it has none of that piece.
     """
     values: dict[str, Array] = {}
     for piece in problem.content.solids:

@@ -176,7 +176,7 @@ class Store:
         self.put("truth", key, msgspec.msgpack.encode(truth))
 
     def close(self) -> None:
-        """Closes the file, and tells what was found damaged."""
+        """Closes the file, and reports damaged entries."""
         self._finish()
 
     def _open(self) -> None:

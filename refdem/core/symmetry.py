@@ -34,8 +34,8 @@ Array = NDArray[np.float64]
 
 NAMES = ("shifted", "rotated", "boosted", "mirrored", "relabelled", "rescaled", "delayed")
 UNITS = (1 / sqrt(11.0), sqrt(51.0), 3.0 + 2.0**-24)
-"""Units of mass, length and time in which no number stays round: a code that keeps a number in too
-few digits rounds it differently in them.
+"""Units of mass, length and time in which no number stays round: a code that stores a number with
+too few digits rounds it differently in them.
 
 The unit of time has 26 bits: too many for single precision, and few enough that a clock summed in
 double precision stays exact.
@@ -182,7 +182,7 @@ class Symmetry:
         return value * float(factor)
 
     def _element(self, element: Element, count: int) -> Element:
-        """An element with every field mapped as its annotated type says.
+        """An element with every field mapped as its annotated type requires.
 
         A Position is a point, a Direction is rotated, an Acceleration is rotated and scaled, so is
         an Omega, which a mirror image turns the other way; `a` and `b` are numbers of bodies of
@@ -243,10 +243,12 @@ def of(instance: Instance, name: str) -> Symmetry:
     features = instance.scene.features
     # 1 for every axis along which the instance may move: x, x-y or x-y-z.
     movable = np.array([1.0, "dimension:1" not in features, "dimension:3" in features])
+    # A unit quaternion: a rotation about a skew axis, or about z in the plane.
     if "dimension:3" in features:
         rotation = np.array([1.0, 2.0, 3.0, 4.0]) / np.sqrt(30.0)
     else:
         rotation = np.array([2.0, 0.0, 0.0, 1.0]) / np.sqrt(5.0)
+    # r' = r + d for the shift d;   r' = r + u t and v' = v + u for the boost u.
     shift = scales.length * np.array([8.0, -4.0, 2.0]) * movable
     boost = scales.speed * np.array([0.5, -0.25, 0.125]) * movable
     symmetries = {

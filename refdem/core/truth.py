@@ -84,7 +84,7 @@ def _rounded_up(value: Fraction) -> str:
 class Truth(ABC):
     """The certified values of a case's quantities as functions of time.
 
-    `method` says how they are proved, `witness` which independent computation checks them.
+    `method` states how they are proved, `witness` which independent computation checks them.
     """
 
     method: str
@@ -131,10 +131,10 @@ class Truth(ABC):
 
 
 class SampledTruth(msgspec.Struct, frozen=True, kw_only=True):
-    """Truth at the samples of one problem: doubles with radii, which judging reads and the store
-    keeps.
+    """Truth at the samples of one problem: doubles with radii, for judgement and for the
+    store.
 
-    `until` counts the certified samples, `reason` says why there are no more. `scalars` are (value,
+    `until` counts the certified samples, `reason` is why there are no more. `scalars` are (value,
     radius), `printed` the same in decimals. `earlier` maps a delay [s] to (values, radii) at that
     much before each sample, for velocities that lag; before the first sample nothing is known, so
     the radius there is infinite.

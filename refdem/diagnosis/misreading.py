@@ -2,7 +2,7 @@
 
 Theorem: the motion at parameters p + d differs from that at p by M d + O(d^2), where M are the
 derivatives of its quantities by the parameters (truth/sensitivities.py). A Gauss-Newton iteration
-with the derivatives at p, kept fixed, converges linearly with a ratio of order d:
+with the fixed derivatives at p converges linearly with a ratio of order d:
 
     p <- p + step,   step = argmin |M step - (run - truth(p))|.
 

@@ -381,7 +381,7 @@ class Beside:
             return None
 
     def _answer(self, asked: Request) -> Trajectory:
-        """The sound twin's run, kept for all faults that spoil the answer alone."""
+        """The run of the twin without fault, cached for all faults that change the answer alone."""
         key = (asked.method, asked.step, len(asked.problem.times))
         if key not in self.answers:
             self.answers[key] = Transparent().run(asked)[0]
@@ -560,7 +560,7 @@ class Beside:
         self, scaled: ScaledFault, method: str, step: float
     ) -> amplitude_fit.Difference:
         """A function: twin minus run at an amplitude over a number of samples. Results at amplitude
-        0 are kept.
+        0 are cached.
         """
 
         def difference(amplitude: float, samples: int) -> Array | None:
