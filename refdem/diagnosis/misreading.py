@@ -94,7 +94,7 @@ class Fit:
 
 
 def size(share: float) -> str:
-    """A relative misreading for people."""
+    """A relative misreading as text, in ppm or per cent."""
     if share < 1e-3:
         return f"{1e6 * share:.3g} ppm"
     return f"{100 * share:.3g} %"
@@ -122,19 +122,19 @@ class Misreading:
     def sentence(self) -> str:
         """What was misread, or that no misreading explains the run."""
         if self.is_noise:
-            return "deviates from truth by no more than the errors of its steps"
+            return "agrees with truth within its discretisation error"
         if not self.fits:
-            return "no number of the case that is misread explains how it deviates from truth"
+            return "no misread parameter of the case explains the deviation from truth"
         first, *others = self.fits
         explained = min(first.explains, SHARE)
         words = (
-            f"{first.words()} explains {100 * explained:.2f} % of its deviation of"
-            f" {self.deviation:.2g} scales, and leaves no more than the errors of its steps"
+            f"{first.words()} explains {100 * explained:.2f} % of the deviation from truth"
+            f" ({self.deviation:.2g} of its scale); the rest is within the discretisation error"
         )
         if others:
             alike = "; ".join(fit.words() for fit in others)
-            return f"{words}; so does {alike}: this run cannot tell them apart"
-        return f"{words}; no other number of the case does"
+            return f"{words}; equally explained by {alike}: this run cannot distinguish them"
+        return f"{words}; no other parameter of the case explains it"
 
 
 @dataclass(frozen=True)

@@ -97,7 +97,9 @@ def _misread(name: str, description: str, misreading: Misreading) -> ScaledFault
 
     return ScaledFault(
         name=name,
-        says=lambda amplitude: f"the {description} is {1.0 + amplitude:.6g} times what was asked",
+        says=lambda amplitude: (
+            f"the {description} is {1.0 + amplitude:.6g} times that of the scene"
+        ),
         carrier=carrier,
     )
 
@@ -130,7 +132,7 @@ def _paced(name: str, parts: tuple[str, ...]) -> ScaledFault:
 
     return ScaledFault(
         name=f"{name}-length",
-        says=lambda amplitude: f"every {name} is {1.0 + amplitude:.6g} times as long as asked",
+        says=lambda amplitude: f"every {name} is {1.0 + amplitude:.6g} times as long as requested",
         carrier=carrier,
     )
 
@@ -149,7 +151,7 @@ def continued(fault: Fault) -> ScaledFault | None:
         return Carrier(Transparent(), replace(fault, after=_mixed_answer(fault, amplitude)))
 
     def says(amplitude: float) -> str:
-        return f"{fault.sentence.rstrip('.')}, {amplitude:.6g} times as much"
+        return f"{fault.sentence.rstrip('.')}, with an effect {amplitude:.6g} times as large"
 
     return ScaledFault(name=fault.name, says=says, carrier=carrier, fault=fault)
 

@@ -120,7 +120,7 @@ class Twin:
         if self.scaled is not None:
             return f"{self.scaled.name}: {self.scaled.says(self.amplitude)} ({self.method})"
         if self.fault is None:
-            return f"{self.method} without any fault"
+            return f"{self.method} without a fault"
         return f"{self.fault.name}: {self.fault.sentence.rstrip('.')} ({self.method})"
 
     @property
@@ -199,14 +199,15 @@ class Diagnosis:
     def sentence(self) -> str:
         """What the run behaves as, or which twin is nearest and that it is no diagnosis."""
         if not self.twins:
-            return "cannot be diagnosed: no known fault can run this scene"
+            return "cannot be diagnosed: the engine with known faults does not support this scene"
         if np.isfinite(self.defect):
-            ending = f"; the right motion is {_size(self.defect)} away"
+            ending = f"; the error of the run is {_size(self.defect)}"
         else:
             ending = ""
         if self.seconds:
             ending += (
-                f"; the search ended after {self.seconds:g} s, before all known faults were tried"
+                f"; the search stopped at its time limit of {self.seconds:g} s before all known"
+                " faults were tried; raise it with --seconds"
             )
         explanation = self.explanation
         if explanation is not None:
@@ -214,8 +215,9 @@ class Diagnosis:
             return f"behaves as {explanation.behaviour}, {agreement}{self._equals()}{ending}"
         nearest = self.twins[0]
         return (
-            f"no known fault explains this run; nearest: {nearest.behaviour}, at"
-            f" {nearest.digits:.1f} digits ({_size(nearest.distance)}): not a diagnosis{ending}"
+            "no known fault reproduces this run (not a diagnosis); the nearest is"
+            f" {nearest.behaviour}, which agrees to {nearest.digits:.1f} digits, a difference of"
+            f" {_size(nearest.distance)}{ending}"
         )
 
     def _equals(self) -> str:
@@ -226,7 +228,7 @@ class Diagnosis:
         named = ", ".join(names[:MOST_EQUALS])
         if len(names) > MOST_EQUALS:
             named += f" and {len(names) - MOST_EQUALS} more"
-        return f"; equally explained by {named}: this run cannot tell them apart"
+        return f"; {named} reproduce the run equally well: it cannot distinguish them"
 
 
 def _complexity(twin: Twin) -> int:

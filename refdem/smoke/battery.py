@@ -166,9 +166,9 @@ def _with_others(finding: Finding, failed: list[str], unasked: list[str]) -> Fin
     """
     sentence = finding.sentence
     if failed:
-        sentence += f"; {len(failed)} more failed for the same reason: {', '.join(failed)}"
+        sentence += f"; also failed for the same reason ({len(failed)}): {', '.join(failed)}"
     if unasked:
-        sentence += f"; {len(unasked)} were not tried for this reason: {', '.join(unasked)}"
+        sentence += f"; not run for this reason ({len(unasked)}): {', '.join(unasked)}"
     return msgspec.structs.replace(finding, sentence=sentence)
 
 
@@ -434,9 +434,11 @@ def _compared(
             f" {_text(expected[worst])}"
         )
         elapsed = probe.times - probe.start
-        diagnosed_as = diagnosed(right, observed, name, elapsed, probe.mistaken)
-        hint = diagnosed_as or f"check how the adapter converts {probe.shows}"
-        sentence += f"; {hint}"
+        cause = diagnosed(right, observed, name, elapsed, probe.mistaken)
+        if cause:
+            sentence += f"; likely cause: {cause}"
+        else:
+            sentence += f"; no known mistake explains it; check in the adapter: {probe.shows}"
     return bounded(f"{probe.name}: {name}", error, bound, basis, sentence)
 
 

@@ -156,7 +156,7 @@ def _miscount(excess: Array, stride: int) -> str:
     """The kind of miscount that an excess of steps (T,) shows, as the end of a sentence."""
     if np.all(np.round(excess[1:]) == -stride):
         return (
-            "shows every sample after the first one sample late: row n holds the state after n"
+            "writes every sample after the first one sample late: row n must hold the state after n"
             " times `stride` steps"
         )
     sample = int(np.argmax(np.abs(excess)))

@@ -35,7 +35,7 @@ POINT_FACTOR = 10.0
 class Mistake:
     """A slip in words, and as a function from the right columns to the wrong ones that it makes."""
 
-    says: str
+    description: str
     slip: Slip
 
 
@@ -50,12 +50,17 @@ def _of(name: str, change: Callable[[Array], Array]) -> Slip:
     return slip
 
 
-def _a_row_before(values: Array) -> Array:
+def _constant(values: Array) -> Array:
+    """The first row in place of every row."""
+    return np.repeat(values[:1], len(values), axis=0)
+
+
+def _previous_rows(values: Array) -> Array:
     """The rows, each replaced by the one before it; the first stays."""
     return np.concatenate([values[:1], values[:-1]])
 
 
-def _a_row_after(values: Array) -> Array:
+def _next_rows(values: Array) -> Array:
     """The rows, each replaced by the one after it; the last stays."""
     return np.concatenate([values[1:], values[-1:]])
 
@@ -80,39 +85,44 @@ def _reordered(name: str, order: str) -> Mistake:
     """The slip that a column has its axes in another order, such as "xzy"."""
     numbers = ["xyz".index(axis) for axis in order]
     reorder = _of(name, lambda values: values[..., numbers])
-    return Mistake(f"the axes of its {name} come in the order {order}", reorder)
+    return Mistake(f"the axes of {name} are in the order {order} instead of xyz", reorder)
 
 
 COLUMNS = ("position", "velocity", "omega")
 MISTAKES = (
-    Mistake("its quaternion has w last", _of("attitude", lambda q: np.roll(q, -1, axis=-1))),
     Mistake(
-        "its quaternion has w last and is read with w first",
+        "the quaternion is in the order x, y, z, w instead of w, x, y, z",
+        _of("attitude", lambda q: np.roll(q, -1, axis=-1)),
+    ),
+    Mistake(
+        "the quaternion is in the order z, w, x, y instead of w, x, y, z",
         _of("attitude", lambda q: np.roll(q, 1, axis=-1)),
     ),
-    Mistake("its quaternion takes space to body axes", _of("attitude", conjugate)),
-    Mistake("its omega is in body axes", _from_body("omega")),
-    Mistake("its velocity is in body axes", _from_body("velocity")),
-    Mistake("its position is in body axes", _from_body("position")),
-    Mistake("its omega is in degrees per second", _of("omega", np.degrees)),
-    Mistake("its omega is in turns per second", _of("omega", lambda w: w / (2 * np.pi))),
-    Mistake("its omega has the other sign", _of("omega", np.negative)),
-    Mistake("its omega is zero", _of("omega", lambda w: 0 * w)),
     Mistake(
-        "its attitude never changes", _of("attitude", lambda q: np.repeat(q[:1], len(q), axis=0))
+        "the quaternion rotates space to body axes instead of body to space axes",
+        _of("attitude", conjugate),
     ),
-    Mistake("its position is in millimetres", _of("position", lambda r: 1000 * r)),
-    Mistake("its position is in kilometres", _of("position", lambda r: r / 1000)),
-    Mistake("its position has the other sign", _of("position", np.negative)),
+    Mistake("omega is in body axes instead of space axes", _from_body("omega")),
+    Mistake("velocity is in body axes instead of space axes", _from_body("velocity")),
+    Mistake("position is in body axes instead of space axes", _from_body("position")),
+    Mistake("omega is in degrees per second instead of rad/s", _of("omega", np.degrees)),
     Mistake(
-        "its position never changes", _of("position", lambda r: np.repeat(r[:1], len(r), axis=0))
+        "omega is in revolutions per second instead of rad/s",
+        _of("omega", lambda w: w / (2 * np.pi)),
     ),
-    Mistake("its velocity is in millimetres per second", _of("velocity", lambda v: 1000 * v)),
-    Mistake("its velocity has the other sign", _of("velocity", np.negative)),
+    Mistake("omega has the opposite sign", _of("omega", np.negative)),
+    Mistake("omega is always zero", _of("omega", lambda w: 0 * w)),
+    Mistake("attitude keeps its initial value", _of("attitude", _constant)),
+    Mistake("position is in millimetres instead of metres", _of("position", lambda r: 1000 * r)),
+    Mistake("position is in kilometres instead of metres", _of("position", lambda r: r / 1000)),
+    Mistake("position has the opposite sign", _of("position", np.negative)),
+    Mistake("position keeps its initial value", _of("position", _constant)),
+    Mistake("velocity is in mm/s instead of m/s", _of("velocity", lambda v: 1000 * v)),
+    Mistake("velocity has the opposite sign", _of("velocity", np.negative)),
     *starmap(_reordered, product(COLUMNS, ORDERS)),
-    Mistake("its bodies come in the other order", _in_all(lambda values: values[:, ::-1])),
-    Mistake("every row is that of the sample before", _in_all(_a_row_before)),
-    Mistake("every row is that of the sample after", _in_all(_a_row_after)),
+    Mistake("the bodies are in reverse order", _in_all(lambda values: values[:, ::-1])),
+    Mistake("each row is that of the previous sample", _in_all(_previous_rows)),
+    Mistake("each row is that of the next sample", _in_all(_next_rows)),
 )
 
 
@@ -132,13 +142,15 @@ def diagnosed(
     for mistake in MISTAKES:
         slipped = mistake.slip(right)
         if name in slipped and distance(observed[name], slipped[name], name) <= NEAR:
-            explanations.append(mistake.says)
-    explanations += [says for says, wrong in mistaken if _explains(right, observed, wrong)]
+            explanations.append(mistake.description)
+    explanations += [
+        description for description, wrong in mistaken if _explains(right, observed, wrong)
+    ]
     if not explanations:
         return _displaced(right, observed, name, elapsed)
     clause = " or ".join(explanations[:MOST_NAMED])
     if len(explanations) > 1:
-        clause += " (this probe cannot tell these apart)"
+        clause += " (this probe cannot distinguish them)"
     return clause
 
 
@@ -184,7 +196,7 @@ def _displaced(right: Expected, observed: Expected, name: str, elapsed: Array) -
         if np.abs(error - explained).max() <= np.abs(error).max() / POINT_FACTOR:
             # Adding 0 turns -0 into 0.
             x, y, z = np.round(displacements[0], 3) + 0.0
-            return f"{clause}, displaced by ({x:g}, {y:g}, {z:g}) m in body axes"
+            return f"{clause} by ({x:g}, {y:g}, {z:g}) m in body axes"
     return ""
 
 
@@ -202,13 +214,16 @@ def _error_maps(right: Expected, name: str, elapsed: Array) -> list[tuple[str, A
     if name == "position":
         drift = rotation[0] + elapsed[:, None, None, None] * (spin[0] @ rotation[0])
         return [
-            ("its position is that of another point", rotation),
-            ("its centre of mass is not where the scene has it", drift - rotation),
+            ("position is that of a point displaced from the centre of mass", rotation),
+            ("the centre of mass is displaced from its place in the scene", drift - rotation),
         ]
     point_velocity = spin @ rotation
     return [
-        ("its velocity is that of another point", point_velocity),
-        ("its centre of mass is not where the scene has it", point_velocity[:1] - point_velocity),
+        ("velocity is that of a point displaced from the centre of mass", point_velocity),
+        (
+            "the centre of mass is displaced from its place in the scene",
+            point_velocity[:1] - point_velocity,
+        ),
     ]
 
 

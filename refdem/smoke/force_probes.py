@@ -76,7 +76,7 @@ def _diagonal_spring() -> Probe:
     scene = Scene.of([body], [spring])
     return Probe(
         name="spring in space",
-        shows="a spring's length and its end in the world",
+        shows="the rest length of a spring and its anchor in the world",
         scene=scene,
         expected=expected,
     )
@@ -109,7 +109,7 @@ def _two_springs() -> Probe:
 
     return Probe(
         name="two springs",
-        shows="stiffness and length of each of several springs",
+        shows="the stiffness and rest length of each of several springs",
         scene=Scene.of([body], springs),
         expected=expected,
     )
@@ -144,7 +144,7 @@ def _damped_pair() -> Probe:
     dashpot = Dashpot(a=0, b=1, damping=rate * reduced_mass)
     return Probe(
         name="dashpot",
-        shows="a dashpot, which resists in all directions alike",
+        shows="the force of a dashpot, which opposes the whole relative velocity",
         scene=Scene.of(bodies, [dashpot]),
         expected=expected,
     )
@@ -195,7 +195,7 @@ def _drive(name: str, *, start: float) -> Probe:
         return _moved(np.array([1.0, 0.0, 0.0]), np.array([0.0, 1.0, 0.0]), y, v)
 
     scene = Scene.of([body], [force])
-    shows = "frequency and phase of a force, and the clock that it reads"
+    shows = "the frequency, phase and time of a harmonic force"
     return Probe(name=name, shows=shows, scene=scene, expected=expected, start=start)
 
 
@@ -230,7 +230,7 @@ def _drive_between() -> Probe:
     force = Force(a=0, b=1, amplitude=amplitude, frequency=rate, axis=_vector(axis))
     return Probe(
         name="drive between two",
-        shows="a force on two bodies, which is opposite on the second",
+        shows="a force between two bodies, with its reaction on the second",
         scene=Scene.of(bodies, [force]),
         expected=expected,
     )
@@ -332,7 +332,7 @@ def _knock(name: str, *, normal: Vector, drift: Vector) -> Probe:
     )
     bodies = [front, back]
     scene = Scene.of(bodies, [Contact(law="linear", stiffness=STIFFNESS)])
-    shows = "masses, radii and the direction of the contact force"
+    shows = "the masses, the radii and the direction of the contact force"
     return Probe(name=name, shows=shows, scene=scene, expected=expected)
 
 
@@ -366,7 +366,9 @@ def _floor() -> Probe:
             Contact(law="linear", stiffness=STIFFNESS),
         ],
     )
-    return Probe(name="floor", shows="place and normal of a wall", scene=scene, expected=expected)
+    return Probe(
+        name="floor", shows="the position and normal of a wall", scene=scene, expected=expected
+    )
 
 
 def _hanging_from_fixed() -> Probe:
@@ -397,7 +399,7 @@ def _hanging_from_fixed() -> Probe:
     ]
     return Probe(
         name="hanging from a fixed body",
-        shows="a fixed body, which neither gravity nor a spring moves",
+        shows="a fixed body, which neither gravity nor a spring may move",
         scene=Scene.of([fixed, hung], elements),
         expected=expected,
     )
@@ -436,7 +438,7 @@ def _resting_on_fixed() -> Probe:
     ]
     return Probe(
         name="resting on a fixed sphere",
-        shows="a fixed body, which neither gravity nor a contact moves",
+        shows="a fixed body, which neither gravity nor a contact may move",
         scene=Scene.of([fixed, resting_body], elements),
         expected=expected,
     )

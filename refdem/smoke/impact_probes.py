@@ -126,13 +126,13 @@ def _spheres(name: str, *, normal: Array, slip: Array, drift: Array) -> Probe:
     mistakes = [
         *_common_mistakes(met),
         Mistake(
-            "the masses of two spheres are exchanged", replace(met, shares=shares[::-1]).motion
+            "the masses of the two spheres are exchanged", replace(met, shares=shares[::-1]).motion
         ),
     ]
     contact = Contact(law="rigid", restitution=RESTITUTION)
     return Probe(
         name=name,
-        shows="restitution, masses, radii and the line of centres of a rigid contact",
+        shows="the restitution, masses, radii and line of centres of a rigid contact",
         scene=Scene.of(bodies, [contact]),
         expected=met.motion,
         mistakes=tuple(mistakes),
@@ -163,15 +163,18 @@ def _wall() -> Probe:
     wall = Plane(point=tuple(point.tolist()), normal=tuple(normal.tolist()))
     mistakes = [
         *_common_mistakes(met),
-        Mistake("the wall acts on the centre of the sphere", replace(met, reach=0.0).motion),
+        Mistake(
+            "the wall acts on the centre of the sphere instead of its surface",
+            replace(met, reach=0.0).motion,
+        ),
     ]
     return Probe(
         name="bounce from a wall",
-        shows="restitution, the radius, and the place and normal of a wall in a rigid contact",
+        shows="the restitution of a rigid contact, the radius, the position and normal of a wall",
         scene=Scene.of([body], [wall, Contact(law="rigid", restitution=RESTITUTION)]),
         expected=partial(_first_body, met),
         mistakes=tuple(
-            Mistake(mistake.says, partial(_first_body_of, mistake)) for mistake in mistakes
+            Mistake(mistake.description, partial(_first_body_of, mistake)) for mistake in mistakes
         ),
     )
 
@@ -181,24 +184,24 @@ def _common_mistakes(met: Meeting) -> list[Mistake]:
     as_other = {
         "1": 1.0,
         "0": 0.0,
-        "its square": RESTITUTION**2,
-        "its square root": RESTITUTION**0.5,
-        "1 less it": 1.0 - RESTITUTION,
-        "its negative": -RESTITUTION,
+        "e^2": RESTITUTION**2,
+        "sqrt(e)": RESTITUTION**0.5,
+        "1 - e": 1.0 - RESTITUTION,
+        "-e": -RESTITUTION,
     }
     mistakes = [
-        Mistake(f"the restitution is taken as {words}", replace(met, restitution=value).motion)
+        Mistake(f"the restitution e is read as {words}", replace(met, restitution=value).motion)
         for words, value in as_other.items()
     ]
     return [
         *mistakes,
-        Mistake("the bodies do not meet: they pass through", replace(met, sign=0.0).motion),
-        Mistake("the impulse, or the normal, has the other sign", replace(met, sign=-1.0).motion),
+        Mistake("no contact is detected", replace(met, sign=0.0).motion),
+        Mistake("the impulse or the normal has the opposite sign", replace(met, sign=-1.0).motion),
         Mistake(
-            "the whole relative velocity is reversed, not its part along the normal",
+            "the whole relative velocity is reversed instead of its normal component",
             replace(met, whole=True).motion,
         ),
-        Mistake("a radius is taken for a diameter", replace(met, reach=met.reach / 2).motion),
+        Mistake("a radius is read as a diameter", replace(met, reach=met.reach / 2).motion),
     ]
 
 

@@ -186,7 +186,7 @@ def _across_boundary(name: str, crossed: Array, period: float) -> Probe:
     contact = Contact(law="linear", stiffness=STIFFNESS)
     return Probe(
         name=name,
-        shows="the images of spheres beyond the faces, edges and corners of a periodic box",
+        shows="periodic images of spheres across the faces, edges and corners of the box",
         scene=Scene.of(bodies, [PeriodicBox(size=period), contact]),
         expected=expected,
     )
@@ -232,7 +232,7 @@ def _in_corner() -> Probe:
     contact = Contact(law="linear", stiffness=STIFFNESS)
     return Probe(
         name="in a corner",
-        shows="a sphere that touches several walls at once, and every one of them",
+        shows="contacts of one sphere with several walls at once",
         scene=Scene.of([body], [*walls, contact]),
         expected=expected,
     )

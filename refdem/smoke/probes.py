@@ -36,7 +36,7 @@ HALF = 0.5**0.5
 class Mistake:
     """A known mistake in words, and the motion `expected(t)` of a probe that it would make."""
 
-    says: str
+    description: str
     expected: Callable[[Array], Expected]
 
 
@@ -77,7 +77,7 @@ class Probe:
     def mistaken(self) -> list[tuple[str, Expected]]:
         """Each mistake in words, with the answer at `times` that it would give."""
         elapsed = self.times - self.start
-        return [(mistake.says, mistake.expected(elapsed)) for mistake in self.mistakes]
+        return [(mistake.description, mistake.expected(elapsed)) for mistake in self.mistakes]
 
 
 def probes() -> tuple[Probe, ...]:
@@ -112,11 +112,11 @@ def _flights() -> tuple[Probe, ...]:
         return Probe(name=name, shows=shows, scene=scene, expected=_straight(*bodies), start=start)
 
     return (
-        flight("line", "the x axis, metres and seconds", line),
-        flight("plane", "the order of the axes in a plane", plane),
+        flight("line", "the x axis and the units of length and time", line),
+        flight("plane", "the order of the axes in two dimensions", plane),
         flight("space", "the order of the axes", space),
         flight("two bodies", "the order of the bodies", plane, other),
-        flight("later", "a clock that starts with the scene", line, start=2.0),
+        flight("later", "the time at which the scene starts", line, start=2.0),
     )
 
 
@@ -139,7 +139,7 @@ def _falls() -> tuple[Probe, ...]:
 
         return Probe(
             name=name,
-            shows="sign, axis and unit of gravity",
+            shows="the sign, axis and unit of gravity",
             scene=Scene.of([thrown], [UniformGravity(g=g)]),
             expected=expected,
         )
@@ -190,11 +190,11 @@ def _spins() -> tuple[Probe, ...]:
     quarter = np.array([0.0, 0.0, np.pi / 2])
     about_x = np.array([1.5, 0.0, 0.0])
     about_z = np.array([0.0, 0.0, 1.5])
-    of_units = "radians, and the order and sign of the quaternion"
-    of_axes = "omega in space axes, and the side from which turns act"
+    of_units = "the unit of angles (rad) and the order and sign of the quaternion"
+    of_axes = "omega in space axes and the order of quaternion products"
     return (
         spin("quarter turn", of_units, quarter, upright),
-        spin("turn about x", "the order of the quaternion", about_x, upright),
+        spin("turn about x", "the order of the components of the quaternion", about_x, upright),
         spin("tipped body", of_axes, about_z, tipped),
     )
 
@@ -253,12 +253,12 @@ def turning_mistakes(scene: Scene) -> tuple[Mistake, ...]:
     for moments, same in orders.items():
         inertia = np.frombuffer(moments).reshape(bodies.inertia.shape)
         changed = Scene(replace(bodies, inertia=inertia), scene.elements)
-        says = f"its axes of inertia come in the order {' or '.join(same)}"
-        mistakes.append(Mistake(says, partial(_turned, changed, 1.0)))
+        description = f"the moments of inertia are in the order {' or '.join(same)} instead of xyz"
+        mistakes.append(Mistake(description, partial(_turned, changed, 1.0)))
     if mistakes:
         term = "the gyroscopic term omega x J omega of Euler's equations"
         mistakes.append(Mistake(f"{term} is missing", partial(_turned, scene, 0.0)))
-        mistakes.append(Mistake(f"{term} has the other sign", partial(_turned, scene, -1.0)))
+        mistakes.append(Mistake(f"{term} has the opposite sign", partial(_turned, scene, -1.0)))
     return tuple(mistakes)
 
 
@@ -324,10 +324,12 @@ def _forces() -> tuple[Probe, ...]:
     rod = Rod(a=0, length=2.0)
     field = CentralField(gm=4.0)
     return (
-        force("spring", "sign and unit of stiffness", start, [spring], swinging),
-        force("friction", "sign and unit of dry friction", thrown, [slider], rubbed),
-        force("hanging rod", "sign and unit of the rod's force", bob, [rod, pull], hanging),
-        force("circle", "sign and unit of the central field", planet, [field], circle),
+        force("spring", "the sign and unit of stiffness", start, [spring], swinging),
+        force("friction", "the sign and unit of dry friction", thrown, [slider], rubbed),
+        force(
+            "hanging rod", "the sign and unit of the force of the rod", bob, [rod, pull], hanging
+        ),
+        force("circle", "the sign and unit of the central field", planet, [field], circle),
     )
 
 
@@ -349,5 +351,5 @@ def _knock() -> Probe:
 
     scene = Scene.of([first_sphere, second_sphere], [Contact(law="linear", stiffness=stiffness)])
     return Probe(
-        name="knock", shows="sign and unit of the contact force", scene=scene, expected=expected
+        name="knock", shows="the sign and unit of the contact force", scene=scene, expected=expected
     )

@@ -86,11 +86,11 @@ def _tumbles() -> tuple[Probe, ...]:
     askew = UniformGravity(g=(2.0, -1.0, 3.0))
     flat = UniformGravity(g=(3.0, -9.75, 0.0))
     of_body = (
-        "position and velocity of the centre of mass, the attitude's side and order, omega's and"
-        " the inertia's axes"
+        "the position and velocity of the centre of mass, the quaternion convention and the axes of"
+        " omega and inertia"
     )
-    of_order = "which number belongs to which body"
-    of_time = "time that runs backwards"
+    of_order = "the order of the bodies"
+    of_time = "steps backwards in time"
     single = (
         _integrated("flat throw", of_body, [FLAT], [flat]),
         _integrated("tumble", of_body, [TUMBLING], []),
@@ -107,7 +107,7 @@ def _tumbles() -> tuple[Probe, ...]:
 
 def _pulled() -> tuple[Probe, ...]:
     """Springs and dashpots that are fixed to bodies off their centres."""
-    anchored = "anchors off the centre, in body axes, and their torque"
+    anchored = "anchors off the centre of mass, in body axes, and their torque"
     to_wall = Spring(a=0, stiffness=8.0, length=0.5, anchor_a=LEVER, anchor_b=(-0.5, 1.0, 2.0))
     flat_to_wall = Spring(
         a=0, stiffness=8.0, length=0.5, anchor_a=FLAT_LEVER, anchor_b=(-0.5, 1.0, 0.0)
@@ -121,7 +121,7 @@ def _pulled() -> tuple[Probe, ...]:
     points = [
         Body(mass=b.mass, position=b.position, velocity=b.velocity) for b in (TUMBLING, OTHER)
     ]
-    ends = "both ends of a spring, and its length"
+    ends = "both ends of a spring and its rest length"
     springs = (
         _integrated("spring between points", ends, points, [at_centres]),
         _integrated(
@@ -184,7 +184,7 @@ def _swung() -> tuple[Probe, ...]:
         omega=(0.0, 0.0, rate),
     )
     joint = BallJoint(a=0, anchor_a=tuple(anchor.tolist()), anchor_b=tuple(pivot.tolist()))
-    shows = "the anchor of a joint, in body axes, and the pivot"
+    shows = "the anchor of a joint, in body axes, and its pivot"
     return (
         Probe(name="ball joint", shows=shows, scene=Scene.of([body], [joint]), expected=expected),
     )

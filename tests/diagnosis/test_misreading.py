@@ -64,7 +64,7 @@ def test_a_number_that_is_misread_is_named_with_its_size(
     shares = [amount / value for amount, value in zip(fit.amounts, fit.values, strict=True)]
     assert [number.name for number in fit.numbers] == list(said)
     assert shares == pytest.approx(list(said.values()), rel=2e-2)
-    assert "no other number of the case does" in found.sentence()
+    assert "no other parameter of the case explains it" in found.sentence()
 
 
 def test_two_numbers_that_are_misread_at_once_are_both_named() -> None:
@@ -79,14 +79,14 @@ def test_numbers_that_a_run_cannot_tell_apart_are_all_named() -> None:
     found = misread("harmonic-oscillator", "velocity-verlet", mass="1.1")
     names = {fit.numbers[0].name for fit in found.fits}
     assert names == {"mass", "stiffness"}
-    assert "this run cannot tell them apart" in found.sentence()
+    assert "this run cannot distinguish them" in found.sentence()
 
 
 def test_a_right_program_has_misread_nothing() -> None:
     found = misread("pendulum", "rattle")
     assert found.is_noise
     assert not found.fits
-    assert "no more than the errors of its steps" in found.sentence()
+    assert "within its discretisation error" in found.sentence()
 
 
 @pytest.mark.parametrize(

@@ -74,7 +74,7 @@ def test_faults_that_do_the_same_are_both_named():
     said = diagnosis(instance, request, run).sentence()
     assert "behaves as no-gyroscopic-term" in said
     assert re.search(
-        r"; equally explained by .*\binertia-of-a-sphere\b.*: this run cannot tell them apart", said
+        r"; .*\binertia-of-a-sphere\b.* reproduce the run equally well: it cannot distinguish", said
     )
 
 
@@ -89,9 +89,12 @@ def test_a_fault_that_nobody_knows_is_not_given_a_name():
     instance, request = asked("harmonic-oscillator", "stoermer", 2, **SHORT)
     found = diagnosis(instance, request, leapfrog(request, late=0.05))
     assert found.explanation is None
-    assert found.sentence().startswith("no known fault explains this run; nearest: ")
+    assert found.sentence().startswith(
+        "no known fault reproduces this run (not a diagnosis); the nearest is "
+    )
     assert re.search(
-        r", at \d\.\d digits \(\d\.\de-\d\d of its scale\): not a diagnosis", found.sentence()
+        r", which agrees to \d\.\d digits, a difference of \d\.\de-\d\d of its scale",
+        found.sentence(),
     )
 
 
@@ -108,7 +111,7 @@ def test_the_amplitude_of_a_fault_is_solved_for(factor):
     )
     assert twin.amplitude == pytest.approx(factor - 1, rel=1e-9)
     assert (
-        f"the stiffness of element 0 (spring) is {factor:.6g} times what was asked"
+        f"the stiffness of element 0 (spring) is {factor:.6g} times that of the scene"
         in twin.behaviour
     )
 
@@ -169,7 +172,9 @@ def test_an_odd_amplitude_that_agrees_to_few_digits_explains_nothing(name, ampli
     for distance in (9e-4, 1e-4, 2e-6):
         found = Diagnosis(twins=(fitted(name, amplitude, distance),), defect=1.0)
         assert found.explanation is None
-        assert found.sentence().startswith("no known fault explains this run; nearest: ")
+        assert found.sentence().startswith(
+            "no known fault reproduces this run (not a diagnosis); the nearest is "
+        )
     found = Diagnosis(twins=(fitted(name, amplitude, 1e-9),), defect=1.0)
     assert found.explanation.amplitude == amplitude
 
@@ -186,7 +191,7 @@ def test_all_faults_that_explain_a_run_equally_are_named_as_equals():
     found = Diagnosis(twins=twins, defect=1.0)
     assert {found.explanation.name, *found.alike} == set(names)
     assert all(name in found.sentence() for name in names)
-    assert "this run cannot tell them apart" in found.sentence()
+    assert "it cannot distinguish them" in found.sentence()
 
 
 def test_a_search_that_runs_out_of_time_says_so():
@@ -195,16 +200,17 @@ def test_a_search_that_runs_out_of_time_says_so():
     assert found.explanation is None
     assert {twin.name for twin in found.twins} == {""}
     assert (
-        "; the search ended after 1e-06 s, before all known faults were tried" in found.sentence()
+        "; the search stopped at its time limit of 1e-06 s before all known faults were tried"
+        in found.sentence()
     )
     whole = diagnosis(instance, request, leapfrog(request))
-    assert "the search ended" not in whole.sentence()
+    assert "the search stopped" not in whole.sentence()
 
 
 def test_a_scene_that_no_twin_can_run_is_said_to_be_one():
     assert (
         Diagnosis(twins=(), defect=inf).sentence()
-        == "cannot be diagnosed: no known fault can run this scene"
+        == "cannot be diagnosed: the engine with known faults does not support this scene"
     )
 
 
@@ -250,7 +256,7 @@ def test_the_command_says_it_in_a_sentence_and_as_json():
     said = json.loads(done.stdout)
     assert (said["explained_by"]["fault"], said["explained_by"]["method"]) == (None, "verlet")
     assert said["explained_by"]["digits"] > 11
-    assert "behaves as verlet without any fault" in said["sentence"]
+    assert "behaves as verlet without a fault" in said["sentence"]
 
 
 def test_twins_leave_the_transparent_engine_as_it_was():

@@ -265,7 +265,7 @@ FAULTS = {
         "add_body",
         _wrong_axis,
         "wobble about x: omega_body",
-        "its axes of inertia come in the order",
+        "the moments of inertia are in the order",
     ),
     "omega taken as the body's": (
         "start",
