@@ -1,7 +1,9 @@
 """Numbers that a program misreads are named with their sizes, and nothing else is called so."""
 
 import json
+from collections.abc import Callable, Sequence
 from dataclasses import replace
+from fractions import Fraction
 
 import pytest
 
@@ -9,15 +11,19 @@ from refdem.cli import diagnose
 from refdem.core import discovery
 from refdem.core.case import Instance
 from refdem.core.engine import Engine
+from refdem.core.parameters import Parameters
 from refdem.core.problem import Request
 from refdem.core.refinement import levels
 from refdem.core.trajectory import Trajectory
+from refdem.core.truth import Truth
 from refdem.diagnosis.misreading import Misreading, misreading
 from refdem.errors import NotCertifiedError, RefdemError
 from refdem.faults.catalogue import faults
 from refdem.faults.fault import Carrier
 from refdem.faults.settings import SETTINGS
 from refdem.faults.transparent import Transparent
+from refdem.truth.dual import Derivatives
+from refdem.truth.sensitivities import Number, at_times
 
 SECONDS = 100.0
 REFERENCE = discovery.engine("reference")
@@ -32,6 +38,26 @@ def runs(engine: Engine, asked: Instance, method: str) -> list[Trajectory]:
         steps = [step, step / 2]
     requests = [Request(problem=asked.problem, method=method, step=step) for step in steps]
     return [engine.run(request)[0] for request in requests]
+
+
+@pytest.fixture
+def _differentiated_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The derivatives of a case at the same numbers and times are proved once in a test."""
+    kept: dict[object, list[Derivatives]] = {}
+
+    def derivatives_at(
+        make: Callable[[Parameters], Truth],
+        p: Parameters,
+        numbers: Sequence[Number],
+        times: Sequence[Fraction],
+        digits: int,
+    ) -> list[Derivatives]:
+        key = (make, tuple(p.texts().items()), tuple(numbers), tuple(times), digits)
+        if key not in kept:
+            kept[key] = at_times(make, p, numbers, times, digits)
+        return kept[key]
+
+    monkeypatch.setattr("refdem.diagnosis.misreading.at_times", derivatives_at)
 
 
 def misread(case: str, method: str, **given: str) -> Misreading:
@@ -89,6 +115,7 @@ def test_a_right_program_has_misread_nothing() -> None:
     assert "within its discretisation error" in found.sentence()
 
 
+@pytest.mark.usefixtures("_differentiated_once")
 @pytest.mark.parametrize(
     ("case", "numbers"),
     [
