@@ -274,9 +274,11 @@ def _changes_from_twice_the_step(
 
 
 def _sharpest_kink(probe: Probe) -> float:
-    """The exponent n of the force |s|^n through the sharpest kink of the scene; infinite without
-    one.
+    """The exponent n of the force |s|^n through the sharpest kink that the motion of the probe
+    passes; infinite without one.
     """
+    if probe.is_smooth:
+        return np.inf
     return sharpest_exponent(limit for _, limit in probe.scene.singularities())
 
 

@@ -47,7 +47,8 @@ class Probe:
 
     `expected(t)`, for the time t (T,) [s] since the start, has columns of a trajectory (T, N, ...),
     channels (T,), or `omega_body` (T, N, 3), by name. `mistakes` are those that it can identify.
-    `uncertainty` bounds the error of `expected` itself, in units of the scales.
+    `uncertainty` bounds the error of `expected` itself, in units of the scales. `is_smooth` is set
+    where a law of the scene has a kink or a jump that this motion does not reach.
     """
 
     name: str
@@ -58,6 +59,7 @@ class Probe:
     backwards: bool = False
     mistakes: tuple[Mistake, ...] = ()
     uncertainty: float = 0.0
+    is_smooth: bool = False
 
     @property
     def times(self) -> Array:

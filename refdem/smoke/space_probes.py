@@ -127,6 +127,7 @@ def _damped_knock() -> Probe:
         shows="the dashpot of a contact and the direction of the relative velocity",
         scene=Scene.of(bodies, [Contact(law="linear", stiffness=stiffness, damping=damping)]),
         expected=expected,
+        is_smooth=True,
     )
 
 

@@ -629,6 +629,7 @@ def by_verlet(change=lambda request: request):
         pytest.param(of_elements(UniformGravity, g=scaled(1.001)), id="gravity"),
         pytest.param(of_elements(Spring, stiffness=scaled(1.001)), id="stiffness"),
         pytest.param(of_elements(Contact, stiffness=scaled(1.001)), id="stiffness of a contact"),
+        pytest.param(of_elements(Contact, damping=scaled(1.001)), id="damping of a contact"),
         pytest.param(of_elements(Spring, length=scaled(1.001)), id="length of a spring"),
     ],
 )
