@@ -71,6 +71,13 @@ AUDIT = (
         " (deviations/rebound_line.py)",
     ),
     Default(
+        "integrator with hard spheres",
+        "ias15",
+        "leapfrog",
+        "WHFast attracts bodies about the first particle whatever gravity is, and a bounce in"
+        " MERCURIUS changes the energy by a part of the step (deviations/rebound_bounces.py)",
+    ),
+    Default(
         "coefficient_of_restitution",
         "1",
         "the contact's, at every speed",

@@ -71,6 +71,9 @@ def place(request, law):
             for row in border.tensor(body)
         ]
         sphere.aspherical = len(set(body["inertia"])) > 1
+        if not any(body["inertia"]):
+            # A point has no rotation: YADE would divide a torque of 0 by its moment of 0.
+            sphere.state.blockedDOFs = "XYZ"
         RUN.bodies.append(sphere)
 
 
