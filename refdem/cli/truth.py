@@ -115,12 +115,12 @@ def command(
         seconds = announce(truth, max(times, default=Fraction(0)), digits, watch)
         if sensitivities:
             warn(DERIVING * seconds)
-            tell_derivatives(instance, times, digits, json)
+            print_derivatives(instance, times, digits, json)
             return
         values = values_at(truth, times, digits)
         without_effect = []
         if seconds <= SOON:
-            without_effect = unfelt(instance, values, times, digits)
+            without_effect = sentences_without_effect(instance, values, times, digits)
     document = {
         "case": name,
         "parameters": instance.p.texts(),
@@ -131,7 +131,7 @@ def command(
     unit = ""
     if "duration" in instance.p:
         unit = "s"
-    show(document, json, unit)
+    print_document(document, json, unit)
     for sentence in without_effect:
         typer.echo(sentence, err=True)
 
@@ -147,7 +147,7 @@ def values_at(truth: "Truth", times: "Sequence[Fraction]", digits: int) -> "Valu
     return values
 
 
-def tell_derivatives(
+def print_derivatives(
     instance: "Instance", times: "Sequence[Fraction]", digits: int, as_json: bool
 ) -> None:
     """Prints the certified derivatives of every quantity at these times by every number of the
@@ -228,12 +228,12 @@ def printed(row: "Mapping[str, str | None]") -> str:
 
 def without_effect(rows: "Values") -> list[str]:
     """The numbers by which all derivatives are exactly 0."""
-    felt: dict[str, bool] = {}
+    has_effect: dict[str, bool] = {}
     for row in rows:
         number = str(row["by"])
         is_zero = row["radius"] == "0" and Fraction(str(row["mid"])) == 0
-        felt[number] = felt.get(number, False) or not is_zero
-    return [number for number, is_felt in felt.items() if not is_felt]
+        has_effect[number] = has_effect.get(number, False) or not is_zero
+    return [number for number, acts in has_effect.items() if not acts]
 
 
 def are_same(values: "Values", others: "Values") -> bool:
@@ -249,7 +249,7 @@ def are_same(values: "Values", others: "Values") -> bool:
     return True
 
 
-def unfelt(
+def sentences_without_effect(
     instance: "Instance", values: "Values", times: "Sequence[Fraction]", digits: int
 ) -> list[str]:
     """A sentence for each parameter that was set and changes none of the values.
@@ -259,7 +259,7 @@ def unfelt(
     from refdem.cli.without_effect import at_defaults
     from refdem.errors import NotCertifiedError
 
-    told = []
+    sentences = []
     latest = max(times, default=Fraction(0))
     for name, other in at_defaults(instance).items():
         try:
@@ -271,11 +271,11 @@ def unfelt(
             continue
         if are_same(values, others):
             default = instance.p.declared[name].default or "left out"
-            told.append(
+            sentences.append(
                 f"{name}={instance.p.texts()[name]} changes none of these values: its default is"
                 f" {default}"
             )
-    return told
+    return sentences
 
 
 def scalars(truth: "Truth", *, alone: bool) -> "Mapping[str, Ball]":
@@ -438,7 +438,7 @@ def value(
     return {"t": time, "quantity": quantity, "mid": mid, "radius": radius, "method": method}
 
 
-def show(document: dict[str, Any], as_json: bool, unit: str) -> None:
+def print_document(document: dict[str, Any], as_json: bool, unit: str) -> None:
     """Prints the values as JSON, or as a table in which times have this unit."""
     import json
 

@@ -87,20 +87,22 @@ class Fit:
         for number, value, amount in zip(self.numbers, self.values, self.amounts, strict=True):
             if value:
                 share = amount / abs(value)
-                parts.append(f"{number.name} {size(abs(share))} too {which(share)}")
+                parts.append(
+                    f"{number.name} {relative_error_text(abs(share))} too {side_of_error(share)}"
+                )
             else:
                 parts.append(f"{number.name} read as {amount:.4g} instead of 0")
         return " and ".join(parts)
 
 
-def size(share: float) -> str:
+def relative_error_text(share: float) -> str:
     """A relative misreading as text, in ppm or per cent."""
     if share < 1e-3:
         return f"{1e6 * share:.3g} ppm"
     return f"{100 * share:.3g} %"
 
 
-def which(share: float) -> str:
+def side_of_error(share: float) -> str:
     """The word for the side on which a number was misread."""
     if share > 0:
         return "large"
@@ -199,8 +201,10 @@ class Observed:
         for name in self.names:
             quantity = self.instance.quantities[name]
             true = np.array([float(row[name]) for row in rows])
-            apart = difference(self.observed[name][self.samples], true, is_angle=quantity.angle)
-            columns.append(apart / quantity.scale)
+            deviation_from_truth = difference(
+                self.observed[name][self.samples], true, is_angle=quantity.angle
+            )
+            columns.append(deviation_from_truth / quantity.scale)
         flat: Array = (np.stack(columns, axis=1) / self.noise).ravel()
         return flat
 
@@ -238,8 +242,8 @@ def misreading(
     matrix = seen.slopes(p, numbers)
     for count in range(1, MOST + 1):
         fits = []
-        for chosen in promising(deviations, matrix, count):
-            fit = fitted(seen, p, [numbers[k] for k in chosen], matrix[:, chosen])
+        for chosen in best_subsets(deviations, matrix, count):
+            fit = gauss_newton_fit(seen, p, [numbers[k] for k in chosen], matrix[:, chosen])
             if fit is not None and fit.is_within_noise and fit.is_small:
                 fits.append(fit)
         if fits:
@@ -248,14 +252,14 @@ def misreading(
     return Misreading(deviation, is_noise=False)
 
 
-def promising(deviations: Array, matrix: Array, count: int) -> list[tuple[int, ...]]:
+def best_subsets(deviations: Array, matrix: Array, count: int) -> list[tuple[int, ...]]:
     """The sets of `count` columns that explain most of the deviations in a linear fit, the best
     first.
     """
     total = float(deviations @ deviations)
-    felt = [k for k in range(matrix.shape[1]) if np.any(matrix[:, k])]
+    nonzero_columns = [k for k in range(matrix.shape[1]) if np.any(matrix[:, k])]
     ranked = []
-    for chosen in combinations(felt, count):
+    for chosen in combinations(nonzero_columns, count):
         columns = matrix[:, chosen]
         amounts = np.linalg.lstsq(columns, deviations)[0]
         left = deviations - columns @ amounts
@@ -266,7 +270,9 @@ def promising(deviations: Array, matrix: Array, count: int) -> list[tuple[int, .
     return [chosen for _, chosen in ranked[:CANDIDATES]]
 
 
-def fitted(seen: Observed, p: Parameters, numbers: Sequence[Number], matrix: Array) -> Fit | None:
+def gauss_newton_fit(
+    seen: Observed, p: Parameters, numbers: Sequence[Number], matrix: Array
+) -> Fit | None:
     """The fit of some parameters by a Gauss-Newton iteration with the derivatives `matrix` at those
     of the case; None if the first step leaves the range of the parameters.
     """

@@ -40,7 +40,7 @@ def write_report(folder: Path, sheets: "Sequence[Sheet]", store: "Store | None" 
     """
     from refdem.report import unchanged
 
-    if store and unchanged.stands(Path(folder), sheets, store):
+    if store and unchanged.is_current(Path(folder), sheets, store):
         return
     from refdem.report.writing import write_everything
 

@@ -30,7 +30,7 @@ class _State(msgspec.Struct):
     files: Files
 
 
-def stands(folder: Path, sheets: Sequence[Sheet], store: Store) -> bool:
+def is_current(folder: Path, sheets: Sequence[Sheet], store: Store) -> bool:
     """True if the report in the folder was made of these sheets and is unmodified.
 
     Times in the sheets are not compared.
