@@ -120,7 +120,7 @@ def requested_campaign(cases: list[str], pairs: list[str], motion: str) -> "Spec
     """
     import msgspec
 
-    from refdem.cli.run import asked_for
+    from refdem.cli.run import specification_of
     from refdem.core import discovery
     from refdem.core.case import Canonical
     from refdem.core.parameters import nearest
@@ -132,7 +132,7 @@ def requested_campaign(cases: list[str], pairs: list[str], motion: str) -> "Spec
             f" {'both' if cases else 'neither'}"
         )
     if cases:
-        return asked_for(labels_found(cases), pairs, "")
+        return specification_of(labels_found(cases), pairs, "")
     if pairs:
         raise UsageError(
             "--set cannot be combined with --motion, whose cases set their own parameters"

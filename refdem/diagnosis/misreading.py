@@ -9,7 +9,7 @@ with the derivatives at p, kept fixed, converges linearly with a ratio of order 
 Hypotheses, and where each is checked:
 
 * the program follows the equations of the case: a misreading is accepted only if the largest
-  residual is at most NOISY times the discretisation error (`Fit.is_within_noise`);
+  residual is at most MAX_NOISE_RATIO times the discretisation error (`Fit.is_within_noise`);
 * the discretisation error is at most the change by halving the step, which holds from the first
   order on: `Observed.noise`.
 """
@@ -37,7 +37,7 @@ DIGITS = 17
 """Decimal places of the values and derivatives that are fitted."""
 ROUNDING = 1e-14
 """The least noise, in scales: a few roundings."""
-NOISY = 3.0
+MAX_NOISE_RATIO = 3.0
 """Largest residual, in units of the noise, that counts as noise."""
 ITERATIONS = 20
 """Largest number of Gauss-Newton steps; the iteration ends when a step does not halve the residual.
@@ -52,9 +52,9 @@ LARGEST = 0.2
 """Largest relative misreading. A larger one is another law or another unit, which twins explain
 (twins.py).
 """
-AS_LONG = 10.0
+FIT_COST = 10.0
 """Approximate time of a fit in units of the time of the values of truth."""
-SHARE = 0.9999
+MAX_EXPLAINED = 0.9999
 """Largest explained part that a sentence shows, so that it is not rounded to 100 %."""
 
 
@@ -73,7 +73,7 @@ class Fit:
     @property
     def is_within_noise(self) -> bool:
         """True if the largest residual is within the noise."""
-        return self.left <= NOISY
+        return self.left <= MAX_NOISE_RATIO
 
     @property
     def is_small(self) -> bool:
@@ -128,7 +128,7 @@ class Misreading:
         if not self.fits:
             return "no misread parameter of the case explains the deviation from truth"
         first, *others = self.fits
-        explained = min(first.explains, SHARE)
+        explained = min(first.explains, MAX_EXPLAINED)
         words = (
             f"{first.words()} explains {100 * explained:.2f} % of the deviation from truth"
             f" ({self.deviation:.2g} of its scale); the rest is within the discretisation error"
@@ -232,11 +232,11 @@ def misreading(
     if not seen.samples:
         raise NotCertifiedError("no sample of the run lies where truth is certified")
     last = seen.time(seen.samples[-1])
-    if AS_LONG * instance.truth().forecast(last, DIGITS) > seconds:
+    if FIT_COST * instance.truth().forecast(last, DIGITS) > seconds:
         raise NotCertifiedError(f"derivatives would take longer than {seconds:g} s")
     deviations = seen.deviations(p)
     deviation = float(np.max(np.abs(deviations.reshape(seen.noise.shape) * seen.noise)))
-    if np.max(np.abs(deviations)) <= NOISY:
+    if np.max(np.abs(deviations)) <= MAX_NOISE_RATIO:
         return Misreading(deviation, is_noise=True)
     numbers = list(numbers_of(p))
     matrix = seen.slopes(p, numbers)

@@ -68,12 +68,12 @@ ALIKE = 10.0
 """Ratio of distances below which two twins explain a run equally well."""
 FLOOR = 1e-12
 """Distance below which all twins explain a run equally well up to round-off."""
-SAME = 1e-9
+NO_EFFECT = 1e-9
 """Relative change of a twin's distance below which a fault does not act on the scene."""
-HOPELESS = 10.0
+MAX_DISTANCE_RATIO = 10.0
 """A method is rejected if its twin without fault is more than this times as far as the nearest one.
 """
-PROMISING = 0.3
+MAX_EARLY_RESIDUAL = 0.3
 """Largest part of the defect in the first window that a known fault may leave to be run to the end.
 """
 MAX_FULL_RUNS = 12
@@ -431,7 +431,7 @@ class TwinComparison:
         # The code's step first: a fault that does not act there is not tried at the finer step,
         # which takes longest.
         followed = sorted(
-            (key for key, distance in first.items() if distance <= HOPELESS * best),
+            (key for key, distance in first.items() if distance <= MAX_DISTANCE_RATIO * best),
             key=lambda key: -key[1],
         )
         yield from self._known(followed, first)
@@ -512,9 +512,9 @@ class TwinComparison:
                     continue
                 distance = self._first_window_distance(fault.carrier(), method, step)
                 plain = first[method, step]
-                if abs(distance - plain) <= SAME * plain:
+                if abs(distance - plain) <= NO_EFFECT * plain:
                     inert.add(method)
-                elif distance <= PROMISING * plain:
+                elif distance <= MAX_EARLY_RESIDUAL * plain:
                     early.append((distance, number, fault, method, step))
         for _, _, fault, method, step in sorted(early, key=lambda item: item[:2])[:MAX_FULL_RUNS]:
             if self._is_out_of_time():

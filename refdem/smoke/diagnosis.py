@@ -151,7 +151,7 @@ def likely_causes(
         description for description, wrong in mistaken if _explains(right, observed, wrong)
     ]
     if not explanations:
-        return _displaced(right, observed, name, elapsed)
+        return _displaced_point_clause(right, observed, name, elapsed)
     clause = " or ".join(explanations[:MAX_CAUSES])
     if len(explanations) > 1:
         clause += " (this probe cannot distinguish them)"
@@ -179,7 +179,7 @@ def distance(values: Array, expected: Array, name: str) -> float:
     return float(difference.max() / scale)
 
 
-def _displaced(right: Expected, observed: Expected, name: str, elapsed: Array) -> str:
+def _displaced_point_clause(right: Expected, observed: Expected, name: str, elapsed: Array) -> str:
     """The clause that positions or velocities are those of a point displaced by d from the centre
     of mass; empty if no d explains the error.
 
