@@ -26,7 +26,7 @@ ENDING = ("SIGTERM", "SIGHUP")
 """Signals by which batch systems, `timeout` and a closed terminal end a program; they end refdem as
 Ctrl-C does.
 """
-OF_THE_SYSTEM = {
+SYSTEM_ERRORS = {
     errno.ENOSPC,
     errno.EDQUOT,
     errno.EROFS,
@@ -55,10 +55,10 @@ def main() -> None:
     sys.stdout = sys.stdout or open(os.devnull, "w")  # noqa: SIM115
     sys.stderr = sys.stderr or open(os.devnull, "w")  # noqa: SIM115
     _write_messages_at_once()
-    heard: list[int] = []
+    signals: list[int] = []
     try:
         try:
-            with _listening(heard):
+            with _interrupted_by_signals(signals):
                 _run()
         except SystemExit as end:
             if (
@@ -66,21 +66,21 @@ def main() -> None:
             ):  # what typer puts there, with status 1, when the reader has closed
                 sys.exit(UNREAD)
             if end.code == INTERRUPTED:
-                _tell("interrupted; finished runs are stored and will not be repeated")
+                _print_error("interrupted; finished runs are stored and will not be repeated")
                 status = INTERRUPTED
-                if heard:
-                    status = 128 + heard[0]
+                if signals:
+                    status = 128 + signals[0]
                 sys.exit(status)
             # Buffered output is flushed here, where a failure can be reported in a sentence.
             sys.stdout.flush()
             raise
     except RefdemError as error:
-        _tell(str(error))
+        _print_error(str(error))
         sys.exit(error.exit_status)
     except OSError as error:
-        _refused_by_the_system(error)
+        _exit_with_system_error(error)
     except Exception as error:
-        _broken(error)
+        _exit_with_internal_error(error)
 
 
 def _open_streams() -> None:
@@ -113,23 +113,23 @@ def _write_messages_at_once() -> None:
     )
 
 
-def _refused_by_the_system(error: OSError) -> None:
+def _exit_with_system_error(error: OSError) -> None:
     """Ends with one sentence for a file that the operating system does not let refdem access."""
-    if _is_nowhere():
-        _tell("the current folder no longer exists; change to an existing folder")
+    if _is_folder_deleted():
+        _print_error("the current folder no longer exists; change to an existing folder")
         sys.exit(BAD_INPUT)
-    if error.errno not in OF_THE_SYSTEM:
-        _broken(error)
+    if error.errno not in SYSTEM_ERRORS:
+        _exit_with_internal_error(error)
     if error.filename:
         place = f"{error.filename}: "
     else:
         place = "standard output or a file: "
-    _tell(f"{place}{error.strerror}; nothing can be written or read there")
-    _silence()
+    _print_error(f"{place}{error.strerror}; nothing can be written or read there")
+    _discard_output()
     sys.exit(BAD_INPUT)
 
 
-def _is_nowhere() -> bool:
+def _is_folder_deleted() -> bool:
     """Whether the current folder has been deleted, so that relative paths are invalid."""
     try:
         os.getcwd()
@@ -148,11 +148,11 @@ def _run() -> None:
 
 
 @contextmanager
-def _listening(heard: list[int]) -> Iterator[None]:
+def _interrupted_by_signals(signals: list[int]) -> Iterator[None]:
     """Turns signals that end a program into an interrupt, and records which one it was."""
 
     def interrupt(number: int, _: FrameType | None) -> None:
-        heard.append(number)
+        signals.append(number)
         raise KeyboardInterrupt
 
     # Under `nohup` the signal is to stay ignored. Only the main thread can set signal handlers.
@@ -168,7 +168,7 @@ def _listening(heard: list[int]) -> Iterator[None]:
             signal.signal(number, signal.SIG_DFL)
 
 
-def _broken(error: Exception) -> None:
+def _exit_with_internal_error(error: Exception) -> None:
     """Ends with the status of an internal error and a sentence on where the details are."""
     import traceback
 
@@ -185,11 +185,13 @@ def _broken(error: Exception) -> None:
             print(text, file=sys.stderr)
         where = "the details are above"
     what = f"{type(error).__name__}: {error}"
-    _tell(f"internal error of refdem ({what}); no verdict was reached. Please report it: {where}")
+    _print_error(
+        f"internal error of refdem ({what}); no verdict was reached. Please report it: {where}"
+    )
     sys.exit(BROKEN)
 
 
-def _tell(text: str) -> None:
+def _print_error(text: str) -> None:
     """One line on standard error, if there is one."""
     from refdem.core.outside import one_line
 
@@ -197,7 +199,7 @@ def _tell(text: str) -> None:
         print(f"refdem: {one_line(text)}", file=sys.stderr)
 
 
-def _silence() -> None:
+def _discard_output() -> None:
     """Prevents an error message from Python's flush of standard output at exit."""
     with suppress(OSError, ValueError, AttributeError):
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())

@@ -88,14 +88,16 @@ def command(
     from refdem.report import advice
 
     if rules:
-        from refdem.cli.step_rules import refuse_without_use, show
+        from refdem.cli.step_rules import print_step_rules, refuse_without_use
 
         refuse_without_use({"--engine": engine, "--digits": digits, "--jobs": jobs})
-        show(asked(case or [], set or [], motion), out, json=json)
+        print_step_rules(requested_campaign(case or [], set or [], motion), out, json=json)
         return
     if out is not None:
         raise UsageError("got --out without --rules; expected both, or neither")
-    contents = measured(asked(case or [], set or [], motion), engine or [], jobs, CHECKS)
+    contents = measured(
+        requested_campaign(case or [], set or [], motion), engine or [], jobs, CHECKS
+    )
     if digits is None:
         digits = DIGITS
     found = advice.recommendations(advice.choices(contents, digits))
@@ -111,14 +113,14 @@ def command(
     raise typer.Exit(int(not any(one.holds for one in found)))
 
 
-def asked(cases: list[str], pairs: list[str], motion: str) -> "Specification":
+def requested_campaign(cases: list[str], pairs: list[str], motion: str) -> "Specification":
     """The named cases, or those of the campaign main with the kind of motion `motion`.
 
     Raises UsageError for neither, both, or an unknown kind of motion.
     """
     import msgspec
 
-    from refdem.cli.run import asked_for
+    from refdem.cli.run import specification_of
     from refdem.core import discovery
     from refdem.core.case import Canonical
     from refdem.core.parameters import nearest
@@ -130,7 +132,7 @@ def asked(cases: list[str], pairs: list[str], motion: str) -> "Specification":
             f" {'both' if cases else 'neither'}"
         )
     if cases:
-        return asked_for(labels_found(cases), pairs, "")
+        return specification_of(labels_found(cases), pairs, "")
     if pairs:
         raise UsageError(
             "--set cannot be combined with --motion, whose cases set their own parameters"
@@ -139,12 +141,12 @@ def asked(cases: list[str], pairs: list[str], motion: str) -> "Specification":
     if motion not in known:
         raise UsageError(f"no motion is named {motion!r}; {nearest(motion, known)}")
 
-    def happens(name: str) -> bool:
+    def has_motion(name: str) -> bool:
         case = discovery.case(name)
         return isinstance(case, Canonical) and case.motion == motion
 
     main = named("main")
-    entries = [entry for entry in main.case if happens(entry.id)]
+    entries = [entry for entry in main.case if has_motion(entry.id)]
     return msgspec.structs.replace(main, case=entries, required="", is_part=True)
 
 
@@ -207,7 +209,7 @@ def lines(
     settings = len(contents.cases)
     printed = [
         f"{digits:g} digits: errors of at most {10.0**-digits:.1g} of each quantity's scale, in"
-        f" {counted(settings, 'setting')}",
+        f" {count_text(settings, 'setting')}",
         "",
     ]
     for one in found:
@@ -258,16 +260,16 @@ def reason(contents: "Contents", label: str, engine: str) -> str:
     (sentence, _), *others = sentences.most_common()
     text = one_line(sentence)
     if others:
-        text += f" And {counted(len(others), 'other reason')} in other methods."
+        text += f" And {count_text(len(others), 'other reason')} in other methods."
     return text
 
 
 def recommended(one: "Recommendation", digits: float, settings: int) -> str:
     """The sentence about one method in all of its settings, of so many that there are."""
-    of_all = len(one.held) + len(one.lacking)
+    of_all = len(one.held) + len(one.missed)
     name = f"{one.engine}/{one.method}"
     if not one.held:
-        best = min(choice.error for choice in one.lacking)
+        best = min(choice.error for choice in one.missed)
         return (
             f"{name}: does not hold {digits:g} digits in {every(of_all)} that it can run; its"
             f" smallest error is {best:.1e}"
@@ -277,7 +279,7 @@ def recommended(one: "Recommendation", digits: float, settings: int) -> str:
     elif one.holds:
         where = f"{every(of_all)} that it can run, of {settings}"
     else:
-        labels = [choice.record.label for choice in one.lacking]
+        labels = [choice.record.label for choice in one.missed]
         where = f"{len(one.held)} of {of_all} settings, not in {listed(labels)}"
     if one.tolerance is not None:
         how = f"a tolerance of {one.tolerance:.2g}"
@@ -301,8 +303,8 @@ def table(found: "list[Recommendation]") -> list[str]:
     Of more than MOST_ROWS of these, one a case: the setting that asks for the most steps.
     """
     held = [choice for one in found for choice in one.held]
-    are_hardest = len(held) > MOST_ROWS
-    if are_hardest:
+    is_shortened = len(held) > MOST_ROWS
+    if is_shortened:
         held = hardest(held)
     rows = [("setting", "method", "step [s]", "steps per tau", "error", "cost [s/s]")]
     rows += [cells(choice) for choice in held]
@@ -313,7 +315,7 @@ def table(found: "list[Recommendation]") -> list[str]:
         words = [text.ljust(width) for text, width in zip(row[:2], widths[:2], strict=True)]
         numbers = [text.rjust(width) for text, width in zip(row[2:], widths[2:], strict=True)]
         printed.append("  ".join([*words, *numbers]).rstrip())
-    if are_hardest:
+    if is_shortened:
         printed.append(
             "one row per case, for its most demanding setting; --json lists every setting"
         )
@@ -329,7 +331,7 @@ def hardest(held: "Iterable[Choice]") -> "list[Choice]":
     tolerance, and among equals the highest cost.
     """
 
-    def asks(choice: "Choice") -> tuple[float, float]:
+    def demand(choice: "Choice") -> tuple[float, float]:
         if choice.steps_per_tau is not None:
             return choice.steps_per_tau, choice.cost
         # An exact method has no level; a smaller tolerance is more demanding.
@@ -338,7 +340,7 @@ def hardest(held: "Iterable[Choice]") -> "list[Choice]":
     of_case: dict[tuple[str, str], Choice] = {}
     for choice in held:
         key = (choice.name, choice.record.case)
-        if key not in of_case or asks(choice) > asks(of_case[key]):
+        if key not in of_case or demand(choice) > demand(of_case[key]):
             of_case[key] = choice
     return list(of_case.values())
 
@@ -406,7 +408,7 @@ def every(number: int) -> str:
     return f"each of the {number} settings"
 
 
-def counted(number: int, noun: str) -> str:
+def count_text(number: int, noun: str) -> str:
     """A number with its noun: `1 setting`, `2 settings`."""
     if number == 1:
         return f"1 {noun}"
@@ -454,7 +456,7 @@ def as_json(one: "Recommendation") -> dict[str, Any]:
             "is_extrapolated": choice.is_extrapolated,
             "is_coarsest": choice.is_coarsest,
         }
-        for choice in (*one.held, *one.lacking)
+        for choice in (*one.held, *one.missed)
     ]
     return {
         "engine": one.engine,

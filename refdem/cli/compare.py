@@ -6,7 +6,15 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from refdem.cli import completion, options
-from refdem.cli.advise import CHECKS, MOST_DIGITS, asked, counted, measured, shown, unmeasured
+from refdem.cli.advise import (
+    CHECKS,
+    MOST_DIGITS,
+    count_text,
+    measured,
+    requested_campaign,
+    shown,
+    unmeasured,
+)
 
 if TYPE_CHECKING:
     from refdem.core.finding import Record
@@ -66,7 +74,7 @@ def command(
 
     Example: refdem compare mujoco pymunk rebound --case pendulum
     """
-    specification = asked(case or [], set or [], motion)
+    specification = requested_campaign(case or [], set or [], motion)
     contents = measured(specification, engine or [], jobs, (*CHECKS, *LAWS))
     printed = []
     for sheet in contents.cases:
@@ -179,7 +187,7 @@ def answer(contents: "Contents", digits: float) -> str:
         return ""
     first, *others = best.values()
     settings = len(contents.cases)
-    opening = f"For {digits:g} digits in {counted(settings, 'setting')}"
+    opening = f"For {digits:g} digits in {count_text(settings, 'setting')}"
     if not first.held:
         return f"{opening}: no method holds them in any."
     name = f"{first.engine}/{first.method}"

@@ -73,8 +73,8 @@ def command(
     else:
         sentence = result.sentence()
     if json:
-        document = _document(record, step, result)
-        document |= {"sentence": sentence, "misread": _misread(misread)}
+        document = _diagnosis_as_json(record, step, result)
+        document |= {"sentence": sentence, "misread": _misread_as_json(misread)}
         print(msgspec.json.format(msgspec.json.encode(document)).decode())
         return
     if step:
@@ -190,7 +190,7 @@ def _amplitude(twin: "Twin") -> float | None:
     return twin.amplitude
 
 
-def _misread(found: "Misreading | None") -> list[dict[str, object]]:
+def _misread_as_json(found: "Misreading | None") -> list[dict[str, object]]:
     """Misread numbers as JSON has them."""
     fits: list[dict[str, object]] = []
     if found is None:
@@ -207,7 +207,7 @@ def _misread(found: "Misreading | None") -> list[dict[str, object]]:
     return fits
 
 
-def _document(record: str, step: float | None, result: "Diagnosis") -> dict[str, object]:
+def _diagnosis_as_json(record: str, step: float | None, result: "Diagnosis") -> dict[str, object]:
     """The diagnosis as JSON has it."""
     twin_that_explains = result.explanation
     twins = [

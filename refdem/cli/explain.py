@@ -98,7 +98,9 @@ def command(
             for sentence in sentences(instance, store):
                 print(f"  {sentence}")
         for chosen_engine in engines:
-            show(plan.tasks(specification, instance, only, chosen_engine, truth, truth.reason))
+            print_tasks(
+                plan.tasks(specification, instance, only, chosen_engine, truth, truth.reason)
+            )
     for missing_engine, reason in missing.items():
         print(f"  {missing_engine}: not installed; {reason}")
 
@@ -150,7 +152,7 @@ def asked(instance: "Instance") -> list[str]:
     ]
 
 
-def show(tasks: "Iterable[Task]") -> None:
+def print_tasks(tasks: "Iterable[Task]") -> None:
     """Prints the methods of one engine: runs and checks, then why a check is left out and why a
     method is refused, each reason once for all of them.
     """
@@ -174,9 +176,9 @@ def show(tasks: "Iterable[Task]") -> None:
             f"{title}: {len(task.variants)} runs; levels: {levels}\n      checks:"
             f" {', '.join(check.name for check in task.checks)}"
         )
-        asking = [check.name for check in task.checks if type(check).further is not Check.further]
-        if asking:
-            print(f"      finer runs only where these do not decide: {', '.join(asking)}")
+        deciding = [check.name for check in task.checks if type(check).further is not Check.further]
+        if deciding:
+            print(f"      finer runs only where these do not decide: {', '.join(deciding)}")
         for name, reason in task.left_out.items():
             left_out.setdefault(f"{name}: {reason}", []).append(task.method.name)
     for reason, methods in left_out.items():

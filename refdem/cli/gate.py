@@ -84,7 +84,7 @@ def command(
         text = gate_markdown.markdown(gate.engine.name, sheets)
         written_to(markdown, text, "--markdown")
     _write(sheets, toml, junit, sarif)
-    found = _noticed(gate, is_asked=resolution)
+    found = _resolutions(gate, is_asked=resolution)
     if out is not None:
         write_report(out, [*sheets, *found], gate.store)
     if os.environ.get("GITHUB_ACTIONS") == "true":
@@ -109,7 +109,7 @@ def _judged(gate: "Gate", *, bless: bool, why: str) -> "list[Sheet]":
     return sheets
 
 
-def _noticed(gate: "Gate", *, is_asked: bool) -> "list[Resolution]":
+def _resolutions(gate: "Gate", *, is_asked: bool) -> "list[Resolution]":
     """The resolution of the gate for the numbers of its scenes, with a printed line for each case
     and method; empty unless it was requested.
     """

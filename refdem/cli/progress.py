@@ -72,7 +72,7 @@ class Watch:
         self._begun = time.process_time()
         self._whole: float | None = None
         self._ended = threading.Event()
-        self._thread = threading.Thread(target=self._look, daemon=True)
+        self._thread = threading.Thread(target=self._refresh, daemon=True)
 
     def __enter__(self) -> Self:
         self._thread.start()
@@ -91,7 +91,7 @@ class Watch:
 
     def expect(self, seconds: float) -> None:
         """Sets the expected remaining CPU seconds."""
-        self._whole = self._spent() + seconds
+        self._whole = self._elapsed() + seconds
 
     def say(self, text: str) -> None:
         """Prints a text in a line of its own, above the line that is redrawn."""
@@ -100,14 +100,14 @@ class Watch:
             start = ERASE
         _show(f"{start}{text}\n")
 
-    def _spent(self) -> float:
+    def _elapsed(self) -> float:
         """CPU seconds since the start."""
         return time.process_time() - self._begun
 
-    def _look(self) -> None:
+    def _refresh(self) -> None:
         """Reports at intervals until the work has ended."""
         while not self._ended.wait(LOOK):
-            spent = self._spent()
+            spent = self._elapsed()
             if spent < self._next:
                 continue
             line = f"{self._work}: {spent:.0f} s of CPU so far"

@@ -21,10 +21,10 @@ def command(folder: Annotated[Path, typer.Argument(help="Folder with records.jso
     Example: refdem report reports
     """
     from refdem.core.store import Store, default_path
-    from refdem.report import is_as_left
+    from refdem.report import is_up_to_date
 
     store = Store(default_path())
-    if not is_as_left(folder, store):
+    if not is_up_to_date(folder, store):
         _write(folder, store)
     print(f"report: {folder / 'index.html'}")
 

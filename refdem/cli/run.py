@@ -88,7 +88,7 @@ def command(
     if step is not None and steps_per_tau is not None:
         raise UsageError("got both --step and --steps-per-tau; expected at most one of them")
     address = options.scheduler_address(scheduler)
-    base = asked_for(case or [], set or [], campaign)
+    base = specification_of(case or [], set or [], campaign)
     refuse_partial(base, bless, method or step or steps_per_tau)
     # Options that are not given keep the values of the campaign.
     given = {"engines": engine, "method": method, "step": step, "steps_per_tau": steps_per_tau}
@@ -128,7 +128,7 @@ def of_single_case(specification: "Specification", store: "Store") -> "list[Move
     return moved.sheets(specification, store)
 
 
-def asked_for(cases: list[str], pairs: list[str], campaign: str) -> "Specification":
+def specification_of(cases: list[str], pairs: list[str], campaign: str) -> "Specification":
     """The named cases with parameters, or the campaign, or the named cases of the campaign; raises
     UsageError for parameters without a case.
     """

@@ -41,7 +41,7 @@ def refuse_without_use(options: Mapping[str, object]) -> None:
         )
 
 
-def show(specification: "Specification", out: Path | None, *, json: bool) -> None:
+def print_step_rules(specification: "Specification", out: Path | None, *, json: bool) -> None:
     """Prints the table, or JSON; writes steps.md into `out` as well if it is given.
 
     Settings to which no rule applies are listed on standard error. Raises UsageError if there is no

@@ -20,13 +20,13 @@ if TYPE_CHECKING:
 
     Values = Sequence[dict[str, str | None]]
 
-DEAR = 10.0
+LONG_PROOF = 10.0
 """Expected seconds of work above which they are announced beforehand."""
 DERIVING = 10.0
 """Time of the derivatives, with the differences that enclose them, in units of that of the values.
 Measured: 8 to 20.
 """
-SOON = 0.5
+SHORT_PROOF = 0.5
 """Limit on the time [s] of a proof that only shows that a parameter has no effect."""
 
 
@@ -95,7 +95,7 @@ def command(
         listed(case, json)
         return
     if csv:
-        tabled(case)
+        print_certified_table(case)
         return
     if not case:
         raise UsageError(
@@ -115,12 +115,12 @@ def command(
         seconds = announce(truth, max(times, default=Fraction(0)), digits, watch)
         if sensitivities:
             warn(DERIVING * seconds)
-            tell_derivatives(instance, times, digits, json)
+            print_derivatives(instance, times, digits, json)
             return
         values = values_at(truth, times, digits)
         without_effect = []
-        if seconds <= SOON:
-            without_effect = unfelt(instance, values, times, digits)
+        if seconds <= SHORT_PROOF:
+            without_effect = sentences_without_effect(instance, values, times, digits)
     document = {
         "case": name,
         "parameters": instance.p.texts(),
@@ -131,7 +131,7 @@ def command(
     unit = ""
     if "duration" in instance.p:
         unit = "s"
-    show(document, json, unit)
+    print_document(document, json, unit)
     for sentence in without_effect:
         typer.echo(sentence, err=True)
 
@@ -147,7 +147,7 @@ def values_at(truth: "Truth", times: "Sequence[Fraction]", digits: int) -> "Valu
     return values
 
 
-def tell_derivatives(
+def print_derivatives(
     instance: "Instance", times: "Sequence[Fraction]", digits: int, as_json: bool
 ) -> None:
     """Prints the certified derivatives of every quantity at these times by every number of the
@@ -164,7 +164,7 @@ def tell_derivatives(
     parameters = instance.case.written_out(instance.p)
     found = [sensitivities(instance.case.truth, parameters, t, digits) for t in times]
     rows = [row for one in found for row in rows_of(instance, one, digits)]
-    beside = [row for one in found for row in rows_beside(instance, one, digits)]
+    beside = [row for one in found for row in one_sided_rows(instance, one, digits)]
     missing = {number: reason for one in found for number, reason in one.missing.items()}
     if as_json:
         document = {
@@ -177,9 +177,9 @@ def tell_derivatives(
         print(json.dumps(document, indent=1))
         return
     for row in rows:
-        print(printed(row))
+        print(derivative_line(row))
     for row in beside:
-        print(f"{printed(row)}, beside it at {row['by']} = {row['at']}")
+        print(f"{derivative_line(row)}, beside it at {row['by']} = {row['at']}")
     for number, reason in missing.items():
         typer.echo(f"no derivative by {number}: {reason}", err=True)
     for number in without_effect(rows):
@@ -195,7 +195,7 @@ def rows_of(
             yield derivative(instance, found.t, quantity, number, ball, digits)
 
 
-def rows_beside(
+def one_sided_rows(
     instance: "Instance", found: "Sensitivities", digits: int
 ) -> "Iterator[dict[str, str | None]]":
     """The derivatives on either side of numbers by which there is none, as the JSON has them."""
@@ -220,7 +220,7 @@ def derivative(
     return row | {"by": number, "unit": unit_of_derivative(unit, by)}
 
 
-def printed(row: "Mapping[str, str | None]") -> str:
+def derivative_line(row: "Mapping[str, str | None]") -> str:
     """A derivative as a line for people."""
     name = f"d {row['quantity']}({row['t']})/d {row['by']}"
     return f"{name:34} {row['mid']} +- {row['radius']} {row['unit']}"
@@ -228,12 +228,12 @@ def printed(row: "Mapping[str, str | None]") -> str:
 
 def without_effect(rows: "Values") -> list[str]:
     """The numbers by which all derivatives are exactly 0."""
-    felt: dict[str, bool] = {}
+    has_effect: dict[str, bool] = {}
     for row in rows:
         number = str(row["by"])
         is_zero = row["radius"] == "0" and Fraction(str(row["mid"])) == 0
-        felt[number] = felt.get(number, False) or not is_zero
-    return [number for number, is_felt in felt.items() if not is_felt]
+        has_effect[number] = has_effect.get(number, False) or not is_zero
+    return [number for number, acts in has_effect.items() if not acts]
 
 
 def are_same(values: "Values", others: "Values") -> bool:
@@ -249,33 +249,33 @@ def are_same(values: "Values", others: "Values") -> bool:
     return True
 
 
-def unfelt(
+def sentences_without_effect(
     instance: "Instance", values: "Values", times: "Sequence[Fraction]", digits: int
 ) -> list[str]:
     """A sentence for each parameter that was set and changes none of the values.
 
-    A parameter whose proof takes longer than SOON gets no sentence.
+    A parameter whose proof takes longer than SHORT_PROOF gets no sentence.
     """
     from refdem.cli.without_effect import at_defaults
     from refdem.errors import NotCertifiedError
 
-    told = []
+    sentences = []
     latest = max(times, default=Fraction(0))
     for name, other in at_defaults(instance).items():
         try:
             truth = other.truth().refined(digits)
-            if truth.forecast(latest, digits) > SOON:
+            if truth.forecast(latest, digits) > SHORT_PROOF:
                 continue
             others = values_at(truth, times, digits)
         except NotCertifiedError:
             continue
         if are_same(values, others):
             default = instance.p.declared[name].default or "left out"
-            told.append(
+            sentences.append(
                 f"{name}={instance.p.texts()[name]} changes none of these values: its default is"
                 f" {default}"
             )
-    return told
+    return sentences
 
 
 def scalars(truth: "Truth", *, alone: bool) -> "Mapping[str, Ball]":
@@ -372,7 +372,7 @@ def announce(truth: "Truth", t: Fraction, digits: int, watch: "Watch") -> float:
     def first_forecast(seconds: float) -> None:
         nonlocal is_announced
         watch.expect(seconds)
-        if seconds > DEAR and not is_announced:
+        if seconds > LONG_PROOF and not is_announced:
             is_announced = True
             watch.say(
                 f"first estimate of the proof's run time: {rounded(seconds)} of CPU time; the"
@@ -387,7 +387,7 @@ def announce(truth: "Truth", t: Fraction, digits: int, watch: "Watch") -> float:
 
 
 def warn(seconds: float) -> None:
-    """Warns of work longer than DEAR seconds; raises UsageError above HOPELESS."""
+    """Warns of work longer than LONG_PROOF seconds; raises UsageError above HOPELESS."""
     from refdem.cli.progress import rounded
     from refdem.truth.forecast import HOPELESS
 
@@ -396,7 +396,7 @@ def warn(seconds: float) -> None:
             f"the proof would take about {rounded(seconds)} of CPU; ask for an earlier time, or"
             " for fewer digits"
         )
-    if seconds > DEAR:
+    if seconds > LONG_PROOF:
         typer.echo(
             f"the proof will take about {rounded(seconds)} of CPU; fewer digits or an earlier time"
             " take less",
@@ -404,7 +404,7 @@ def warn(seconds: float) -> None:
         )
 
 
-def tabled(case: str) -> None:
+def print_certified_table(case: str) -> None:
     """Prints the certified store as CSV; raises UsageError for a case that it does not have."""
     import sys
 
@@ -438,7 +438,7 @@ def value(
     return {"t": time, "quantity": quantity, "mid": mid, "radius": radius, "method": method}
 
 
-def show(document: dict[str, Any], as_json: bool, unit: str) -> None:
+def print_document(document: dict[str, Any], as_json: bool, unit: str) -> None:
     """Prints the values as JSON, or as a table in which times have this unit."""
     import json
 

@@ -55,11 +55,11 @@ def is_same_problem(one: "Instance", other: "Instance") -> bool:
     """True if the problems for engines are bitwise the same, at the same times."""
     from refdem.core.problem import Request
 
-    asked = [Request(problem=each.problem, method="", step=None).packed() for each in (one, other)]
-    return asked[0] == asked[1]
+    packed = [Request(problem=each.problem, method="", step=None).packed() for each in (one, other)]
+    return packed[0] == packed[1]
 
 
-def unfelt(instance: "Instance", store: "Store") -> list[str]:
+def parameters_without_effect(instance: "Instance", store: "Store") -> list[str]:
     """Names of the parameters that enter the problem and change no certified value of it.
 
     Proofs are read from the store and kept there. A parameter whose proof takes longer than PROOF
@@ -75,9 +75,9 @@ def unfelt(instance: "Instance", store: "Store") -> list[str]:
     }
     if not others:
         return []
-    asked = [(each, ()) for each in (instance, *others.values())]
-    with Schedule(len(asked), PROOF) as schedule:
-        truth, *other_truths = sampled_truths(schedule, store, asked, _unseen)
+    truths_to_prove = [(each, ()) for each in (instance, *others.values())]
+    with Schedule(len(truths_to_prove), PROOF) as schedule:
+        truth, *other_truths = sampled_truths(schedule, store, truths_to_prove, _ignore_progress)
     scales = {name: quantity.scale for name, quantity in instance.quantities.items()}
     return [
         name
@@ -86,7 +86,7 @@ def unfelt(instance: "Instance", store: "Store") -> list[str]:
     ]
 
 
-def _unseen(stage: str, done: int, total: int) -> None:
+def _ignore_progress(stage: str, done: int, total: int) -> None:
     """Progress that is not shown: these proofs are few and short, and were not requested."""
 
 
@@ -112,12 +112,12 @@ def is_same_truth(one: "SampledTruth", other: "SampledTruth", scales: Mapping[st
 
 def sentences(instance: "Instance", store: "Store") -> list[str]:
     """A sentence for each parameter that was set and changes nothing in this setting."""
-    told = []
+    lines = []
     for name in unused(instance):
-        told.append(f"{set_and_default(instance, name)}: the scene is the same")
-    for name in unfelt(instance, store):
-        told.append(f"{set_and_default(instance, name)}: the certified motion is the same")
-    return told
+        lines.append(f"{set_and_default(instance, name)}: the scene is the same")
+    for name in parameters_without_effect(instance, store):
+        lines.append(f"{set_and_default(instance, name)}: the certified motion is the same")
+    return lines
 
 
 def set_and_default(instance: "Instance", name: str) -> str:
@@ -134,11 +134,11 @@ def of_settings(specification: "Specification", store: "Store") -> list[str]:
     from refdem.core import discovery
     from refdem.core.selection import Selection
 
-    told = []
+    lines = []
     for entry in specification.case:
         case = discovery.case(entry.id)
         if isinstance(case, Selection) or not entry.set:
             continue
         instance = case.at(**entry.set)
-        told += [f"{instance.label}: {sentence}" for sentence in sentences(instance, store)]
-    return told
+        lines += [f"{instance.label}: {sentence}" for sentence in sentences(instance, store)]
+    return lines

@@ -19,36 +19,36 @@ MEMORY = "fresh"
 """The part that clears the memory of other parts; it has no other effect."""
 
 
-def listening(called: set[str]) -> Parts:
+def recording_parts(called: set[str]) -> Parts:
     """The correct parts, each of which adds its name to `called` when it is called."""
-    noting: Parts = _listening(CORRECT, "", called)
-    return noting
+    recording: Parts = _recording_parts(CORRECT, "", called)
+    return recording
 
 
-def _listening(parts: Any, prefix: str, called: set[str]) -> Any:
+def _recording_parts(parts: Any, prefix: str, called: set[str]) -> Any:
     """A record of parts whose functions add their names to `called`."""
     changed: dict[str, Any] = {}
     for name, part in _items(parts):
         if isinstance(part, Mapping):
             changed[name] = {
-                kind: _noting(force, f"{prefix}{name}.{kind.__name__}", called)
+                kind: _recording(force, f"{prefix}{name}.{kind.__name__}", called)
                 for kind, force in part.items()
             }
         elif is_dataclass(part):
-            changed[name] = _listening(part, f"{prefix}{name}.", called)
+            changed[name] = _recording_parts(part, f"{prefix}{name}.", called)
         elif callable(part):
-            changed[name] = _noting(part, prefix + name, called)
+            changed[name] = _recording(part, prefix + name, called)
     return replace(parts, **changed)
 
 
-def _noting(part: Callable[..., Any], name: str, called: set[str]) -> Callable[..., Any]:
+def _recording(part: Callable[..., Any], name: str, called: set[str]) -> Callable[..., Any]:
     """The function, which adds its name to `called` when it is called."""
 
-    def noting(*arguments: Any, **named: Any) -> Any:
+    def recording(*arguments: Any, **named: Any) -> Any:
         called.add(name)
         return part(*arguments, **named)
 
-    return noting
+    return recording
 
 
 def _items(parts: Any) -> Iterator[tuple[str, Any]]:

@@ -9,7 +9,7 @@ with the fixed derivatives at p converges linearly with a ratio of order d:
 Hypotheses, and where each is checked:
 
 * the program follows the equations of the case: a misreading is accepted only if the largest
-  residual is at most NOISY times the discretisation error (`Fit.is_within_noise`);
+  residual is at most MAX_NOISE_RATIO times the discretisation error (`Fit.is_within_noise`);
 * the discretisation error is at most the change by halving the step, which holds from the first
   order on: `Observed.noise`.
 """
@@ -37,7 +37,7 @@ DIGITS = 17
 """Decimal places of the values and derivatives that are fitted."""
 ROUNDING = 1e-14
 """The least noise, in scales: a few roundings."""
-NOISY = 3.0
+MAX_NOISE_RATIO = 3.0
 """Largest residual, in units of the noise, that counts as noise."""
 ITERATIONS = 20
 """Largest number of Gauss-Newton steps; the iteration ends when a step does not halve the residual.
@@ -52,9 +52,9 @@ LARGEST = 0.2
 """Largest relative misreading. A larger one is another law or another unit, which twins explain
 (twins.py).
 """
-AS_LONG = 10.0
+FIT_COST = 10.0
 """Approximate time of a fit in units of the time of the values of truth."""
-SHARE = 0.9999
+MAX_EXPLAINED = 0.9999
 """Largest explained part that a sentence shows, so that it is not rounded to 100 %."""
 
 
@@ -73,7 +73,7 @@ class Fit:
     @property
     def is_within_noise(self) -> bool:
         """True if the largest residual is within the noise."""
-        return self.left <= NOISY
+        return self.left <= MAX_NOISE_RATIO
 
     @property
     def is_small(self) -> bool:
@@ -87,20 +87,22 @@ class Fit:
         for number, value, amount in zip(self.numbers, self.values, self.amounts, strict=True):
             if value:
                 share = amount / abs(value)
-                parts.append(f"{number.name} {size(abs(share))} too {which(share)}")
+                parts.append(
+                    f"{number.name} {relative_error_text(abs(share))} too {side_of_error(share)}"
+                )
             else:
                 parts.append(f"{number.name} read as {amount:.4g} instead of 0")
         return " and ".join(parts)
 
 
-def size(share: float) -> str:
+def relative_error_text(share: float) -> str:
     """A relative misreading as text, in ppm or per cent."""
     if share < 1e-3:
         return f"{1e6 * share:.3g} ppm"
     return f"{100 * share:.3g} %"
 
 
-def which(share: float) -> str:
+def side_of_error(share: float) -> str:
     """The word for the side on which a number was misread."""
     if share > 0:
         return "large"
@@ -126,7 +128,7 @@ class Misreading:
         if not self.fits:
             return "no misread parameter of the case explains the deviation from truth"
         first, *others = self.fits
-        explained = min(first.explains, SHARE)
+        explained = min(first.explains, MAX_EXPLAINED)
         words = (
             f"{first.words()} explains {100 * explained:.2f} % of the deviation from truth"
             f" ({self.deviation:.2g} of its scale); the rest is within the discretisation error"
@@ -199,8 +201,10 @@ class Observed:
         for name in self.names:
             quantity = self.instance.quantities[name]
             true = np.array([float(row[name]) for row in rows])
-            apart = difference(self.observed[name][self.samples], true, is_angle=quantity.angle)
-            columns.append(apart / quantity.scale)
+            deviation_from_truth = difference(
+                self.observed[name][self.samples], true, is_angle=quantity.angle
+            )
+            columns.append(deviation_from_truth / quantity.scale)
         flat: Array = (np.stack(columns, axis=1) / self.noise).ravel()
         return flat
 
@@ -228,18 +232,18 @@ def misreading(
     if not seen.samples:
         raise NotCertifiedError("no sample of the run lies where truth is certified")
     last = seen.time(seen.samples[-1])
-    if AS_LONG * instance.truth().forecast(last, DIGITS) > seconds:
+    if FIT_COST * instance.truth().forecast(last, DIGITS) > seconds:
         raise NotCertifiedError(f"derivatives would take longer than {seconds:g} s")
     deviations = seen.deviations(p)
     deviation = float(np.max(np.abs(deviations.reshape(seen.noise.shape) * seen.noise)))
-    if np.max(np.abs(deviations)) <= NOISY:
+    if np.max(np.abs(deviations)) <= MAX_NOISE_RATIO:
         return Misreading(deviation, is_noise=True)
     numbers = list(numbers_of(p))
     matrix = seen.slopes(p, numbers)
     for count in range(1, MOST + 1):
         fits = []
-        for chosen in promising(deviations, matrix, count):
-            fit = fitted(seen, p, [numbers[k] for k in chosen], matrix[:, chosen])
+        for chosen in best_subsets(deviations, matrix, count):
+            fit = gauss_newton_fit(seen, p, [numbers[k] for k in chosen], matrix[:, chosen])
             if fit is not None and fit.is_within_noise and fit.is_small:
                 fits.append(fit)
         if fits:
@@ -248,14 +252,14 @@ def misreading(
     return Misreading(deviation, is_noise=False)
 
 
-def promising(deviations: Array, matrix: Array, count: int) -> list[tuple[int, ...]]:
+def best_subsets(deviations: Array, matrix: Array, count: int) -> list[tuple[int, ...]]:
     """The sets of `count` columns that explain most of the deviations in a linear fit, the best
     first.
     """
     total = float(deviations @ deviations)
-    felt = [k for k in range(matrix.shape[1]) if np.any(matrix[:, k])]
+    nonzero_columns = [k for k in range(matrix.shape[1]) if np.any(matrix[:, k])]
     ranked = []
-    for chosen in combinations(felt, count):
+    for chosen in combinations(nonzero_columns, count):
         columns = matrix[:, chosen]
         amounts = np.linalg.lstsq(columns, deviations)[0]
         left = deviations - columns @ amounts
@@ -266,7 +270,9 @@ def promising(deviations: Array, matrix: Array, count: int) -> list[tuple[int, .
     return [chosen for _, chosen in ranked[:CANDIDATES]]
 
 
-def fitted(seen: Observed, p: Parameters, numbers: Sequence[Number], matrix: Array) -> Fit | None:
+def gauss_newton_fit(
+    seen: Observed, p: Parameters, numbers: Sequence[Number], matrix: Array
+) -> Fit | None:
     """The fit of some parameters by a Gauss-Newton iteration with the derivatives `matrix` at those
     of the case; None if the first step leaves the range of the parameters.
     """

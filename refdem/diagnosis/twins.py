@@ -23,7 +23,7 @@ from refdem.core.judgement import distances
 from refdem.core.problem import Request
 from refdem.core.trajectory import Trajectory
 from refdem.diagnosis import amplitude_fit
-from refdem.diagnosis.effective_faults import acts, listening
+from refdem.diagnosis.effective_faults import acts, recording_parts
 from refdem.diagnosis.scaled_faults import ScaledFault, continued, misread, paced
 from refdem.faults.catalogue import faults
 from refdem.faults.fault import Carrier, Fault
@@ -34,12 +34,12 @@ Array = NDArray[np.float64]
 
 LEAST_DIGITS = 3.0
 """Least number of digits of the scale to which a twin must agree."""
-LEFT = 1e-3
+MAX_RESIDUAL = 1e-3
 """Largest part of the defect of the twin without fault that a fault may leave unexplained."""
-ODD_DIGITS = 6.0
+UNUSUAL_DIGITS = 6.0
 """The same as LEAST_DIGITS, for a fitted amplitude that is not a simple number."""
-ODD_LEFT = 1e-5
-"""The same as LEFT, for a fitted amplitude that is not a simple number."""
+UNUSUAL_RESIDUAL = 1e-5
+"""The same as MAX_RESIDUAL, for a fitted amplitude that is not a simple number."""
 SIMPLE_FACTORS: tuple[float, ...] = (-1.0, 0.5, 2.0, 4.0, 0.25, 10.0, 0.1, 1e3, 1e-3)
 """Plausible factors of misread numbers: a sign, a half, a unit."""
 SIMPLE_AMPLITUDES: tuple[float, ...] = (1.0, -1.0, 0.5, 2.0)
@@ -50,13 +50,13 @@ SECONDS = 120.0
 """Run time [s] of a search for twins, after which it ends with what was tried; small scenes take
 10 s.
 """
-MOST_EQUALS = 5
+MAX_EQUALS = 5
 """Largest number of equally good explanations that are named."""
 FINER = 4
 """Number of steps of the best method in one step of the code, so that its discretisation error is
 small.
 """
-TRIED = ("euler", "verlet", "rk4")
+USUAL_METHODS = ("euler", "verlet", "rk4")
 """Methods in which every fault is tried."""
 MOST_STEPS = 600
 """Largest number of steps of the code's run that are compared."""
@@ -68,15 +68,15 @@ ALIKE = 10.0
 """Ratio of distances below which two twins explain a run equally well."""
 FLOOR = 1e-12
 """Distance below which all twins explain a run equally well up to round-off."""
-SAME = 1e-9
+NO_EFFECT = 1e-9
 """Relative change of a twin's distance below which a fault does not act on the scene."""
-HOPELESS = 10.0
+MAX_DISTANCE_RATIO = 10.0
 """A method is rejected if its twin without fault is more than this times as far as the nearest one.
 """
-PROMISING = 0.3
+MAX_EARLY_RESIDUAL = 0.3
 """Largest part of the defect in the first window that a known fault may leave to be run to the end.
 """
-FOLLOWED = 12
+MAX_FULL_RUNS = 12
 """Largest number of known faults, the nearest ones, that are run to the end."""
 MOST_DIGITS = 16.0
 """Digits of a twin that agrees exactly: those of binary64."""
@@ -124,23 +124,23 @@ class Twin:
         return f"{self.fault.name}: {self.fault.sentence.rstrip('.')} ({self.method})"
 
     @property
-    def is_telling(self) -> bool:
+    def explains_run(self) -> bool:
         """True if the twin explains the run: `digits` is large enough, and the distance is a small
         enough part of that of the same twin without the fault.
         """
-        if self.is_odd:
-            digits = ODD_DIGITS
-            left = ODD_LEFT
+        if self.has_unusual_amplitude:
+            digits = UNUSUAL_DIGITS
+            left = UNUSUAL_RESIDUAL
         else:
             digits = LEAST_DIGITS
-            left = LEFT
+            left = MAX_RESIDUAL
         is_near = self.digits >= digits
         if not self.name:
             return is_near and self.distance <= CORRECT
         return is_near and isfinite(self.beside) and self.distance <= left * self.beside
 
     @property
-    def is_odd(self) -> bool:
+    def has_unusual_amplitude(self) -> bool:
         """True of a fitted amplitude that is no simple number."""
         if self.scaled is None:
             return False
@@ -169,18 +169,18 @@ class Diagnosis:
     seconds: float = 0.0
 
     @property
-    def _telling(self) -> list[Twin]:
+    def _explaining(self) -> list[Twin]:
         """Twins that explain the run, nearest first."""
-        return [twin for twin in self.twins if twin.is_telling and twin.name not in self.refuted]
+        return [twin for twin in self.twins if twin.explains_run and twin.name not in self.refuted]
 
     @property
     def explanation(self) -> Twin | None:
         """The twin that explains the run, the simplest one of equally good ones; None without."""
-        telling = self._telling
-        if not telling:
+        explaining = self._explaining
+        if not explaining:
             return None
-        nearest = telling[0]
-        alike = [twin for twin in telling if _is_alike(twin, nearest)]
+        nearest = explaining[0]
+        alike = [twin for twin in explaining if _is_alike(twin, nearest)]
         return min(alike, key=_complexity)
 
     @property
@@ -191,8 +191,8 @@ class Diagnosis:
             return ()
         names = [
             twin.name
-            for twin in self._telling
-            if _is_alike(twin, self._telling[0]) and twin.name != explanation.name
+            for twin in self._explaining
+            if _is_alike(twin, self._explaining[0]) and twin.name != explanation.name
         ]
         return tuple(dict.fromkeys(name for name in names if name))
 
@@ -225,9 +225,9 @@ class Diagnosis:
         names = self.alike
         if not names:
             return ""
-        named = ", ".join(names[:MOST_EQUALS])
-        if len(names) > MOST_EQUALS:
-            named += f" and {len(names) - MOST_EQUALS} more"
+        named = ", ".join(names[:MAX_EQUALS])
+        if len(names) > MAX_EQUALS:
+            named += f" and {len(names) - MAX_EQUALS} more"
         return f"; {named} reproduce the run equally well: it cannot distinguish them"
 
 
@@ -263,7 +263,7 @@ def diagnosis(
     `other` is a run of the code at another step, to confirm the diagnosis. The search ends after
     `seconds` [s] of run time with the twins that were tried until then.
     """
-    beside = Beside(instance, request, run, seconds)
+    beside = TwinComparison(instance, request, run, seconds)
     sound = beside.sound
     if not sound:
         return Diagnosis(twins=(), defect=inf)
@@ -271,8 +271,8 @@ def diagnosis(
     if min(twin.distance for twin in twins) > EXPLAINED:
         twins += beside.faulty()
     finest = [twin.distance for twin in sound.values() if twin.step < (request.step or inf)]
-    twins.sort(key=lambda twin: (twin.distance, _is_foreign(twin, instance)))
-    refuted = _refuted(instance, [twin for twin in twins if twin.name and twin.is_telling], other)
+    twins.sort(key=lambda twin: (twin.distance, _is_from_other_cases(twin, instance)))
+    refuted = _refuted(instance, [twin for twin in twins if twin.name and twin.explains_run], other)
     if beside.is_cut_short:
         ended_after = seconds
     else:
@@ -289,7 +289,7 @@ def _refuted(
     """
     if other is None or not twins:
         return frozenset()
-    elsewhere = Beside(instance, *other)
+    elsewhere = TwinComparison(instance, *other)
     # A method without steps can be compared at any step, here 1.0.
     other_step = other[0].step
     if other_step is None:
@@ -305,14 +305,14 @@ def _refuted(
             step = other_step / FINER
         # One twin of a name that explains both runs is enough.
         again = elsewhere.twin(twin, step)
-        if again is not None and again.is_telling:
+        if again is not None and again.explains_run:
             explained[twin.name] = True
         else:
             explained.setdefault(twin.name, False)
     return frozenset(name for name, is_explained in explained.items() if not is_explained)
 
 
-def _is_foreign(twin: Twin, instance: Instance) -> bool:
+def _is_from_other_cases(twin: Twin, instance: Instance) -> bool:
     """True if the fault is known from other cases only. Of two equal explanations the fault known
     from this case is named first.
     """
@@ -321,7 +321,7 @@ def _is_foreign(twin: Twin, instance: Instance) -> bool:
     }
 
 
-class Beside:
+class TwinComparison:
     """A run of a code, and the twins that are compared with it."""
 
     def __init__(
@@ -347,19 +347,21 @@ class Beside:
         at a finer step.
         """
         engine = Transparent()
-        able = [
+        supported_methods = [
             method.name
             for method in METHODS
             if engine.unsupported(self.request.problem, method) is None
         ]
-        asked = [(name, self.step) for name in able if self.request.step is not None]
-        best = next((name for name in ("rk4", "verlet", "suzuki") if name in able), None)
+        asked = [(name, self.step) for name in supported_methods if self.request.step is not None]
+        best = next(
+            (name for name in ("rk4", "verlet", "suzuki") if name in supported_methods), None
+        )
         if best is not None:
             asked.append((best, self.step / FINER))
         twins = {}
         for method, step in asked:
             called = self.called.setdefault(method, set())
-            distance = self.distance(self.ran(Transparent(listening(called)), method, step))
+            distance = self.distance(self.ran(Transparent(recording_parts(called)), method, step))
             if distance is not None:
                 twins[method, step] = Twin(method=method, step=step, distance=distance)
         return twins
@@ -424,12 +426,12 @@ class Beside:
         """Twins with known faults, and with faults of a fitted amplitude, in every method that may
         be the code's.
         """
-        first = {key: self._early(Transparent(), *key) for key in self.sound}
+        first = {key: self._first_window_distance(Transparent(), *key) for key in self.sound}
         best = min(first.values())
         # The code's step first: a fault that does not act there is not tried at the finer step,
         # which takes longest.
         followed = sorted(
-            (key for key, distance in first.items() if distance <= HOPELESS * best),
+            (key for key, distance in first.items() if distance <= MAX_DISTANCE_RATIO * best),
             key=lambda key: -key[1],
         )
         yield from self._known(followed, first)
@@ -440,18 +442,18 @@ class Beside:
             *(scaled for fault in faults() if (scaled := continued(fault))),
         ]
         for scaled in scaled_faults:
-            if self._is_late():
+            if self._is_out_of_time():
                 return
             yield from self._fitted(scaled, followed)
 
-    def _is_late(self, part: float = 1.0) -> bool:
+    def _is_out_of_time(self, part: float = 1.0) -> bool:
         """True if this part of the run time is spent; the search is then cut short."""
         if monotonic() - self.begun < part * self.seconds:
             return False
         self.is_cut_short = True
         return True
 
-    def _early(self, engine: Engine, method: str, step: float) -> float:
+    def _first_window_distance(self, engine: Engine, method: str, step: float) -> float:
         """Largest difference of states in the first window; infinite if the twin cannot run."""
         off = self.difference(engine, method, step, self.counts[0])
         if off is None or not np.all(np.isfinite(off)):
@@ -480,14 +482,14 @@ class Beside:
             (amplitude_fit.states(self.instance, twin, short) - self.like[:samples]).ravel()
         )
 
-    def _tries(
+    def _trial_settings(
         self, fault: Fault | None, followed: list[tuple[str, float]]
     ) -> Iterator[tuple[str, float]]:
         """Methods and steps in which a fault is tried: the common ones, its own, and the finer
         step.
         """
         for method, step in followed:
-            is_usual = method in TRIED or step < self.step
+            is_usual = method in USUAL_METHODS or step < self.step
             is_own = fault is not None and method == fault.method
             if not (is_usual or is_own):
                 continue
@@ -503,19 +505,19 @@ class Beside:
         for number, fault in enumerate(faults()):
             inert = set()
             # Half of the time is for the first window of each fault.
-            if self._is_late(0.5):
+            if self._is_out_of_time(0.5):
                 break
-            for method, step in self._tries(fault, followed):
+            for method, step in self._trial_settings(fault, followed):
                 if method in inert:
                     continue
-                distance = self._early(fault.carrier(), method, step)
+                distance = self._first_window_distance(fault.carrier(), method, step)
                 plain = first[method, step]
-                if abs(distance - plain) <= SAME * plain:
+                if abs(distance - plain) <= NO_EFFECT * plain:
                     inert.add(method)
-                elif distance <= PROMISING * plain:
+                elif distance <= MAX_EARLY_RESIDUAL * plain:
                     early.append((distance, number, fault, method, step))
-        for _, _, fault, method, step in sorted(early, key=lambda item: item[:2])[:FOLLOWED]:
-            if self._is_late():
+        for _, _, fault, method, step in sorted(early, key=lambda item: item[:2])[:MAX_FULL_RUNS]:
+            if self._is_out_of_time():
                 return
             whole = self.distance(self.ran(fault.carrier(), method, step))
             if whole is not None:
@@ -532,8 +534,8 @@ class Beside:
         amplitude at which it is nearest to the run.
         """
         inert = set()
-        for method, step in self._tries(scaled.fault, followed):
-            if self._is_late():
+        for method, step in self._trial_settings(scaled.fault, followed):
+            if self._is_out_of_time():
                 return
             if method in inert:
                 continue

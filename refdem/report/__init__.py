@@ -40,16 +40,16 @@ def write_report(folder: Path, sheets: "Sequence[Sheet]", store: "Store | None" 
     """
     from refdem.report import unchanged
 
-    if store and unchanged.stands(Path(folder), sheets, store):
+    if store and unchanged.is_current(Path(folder), sheets, store):
         return
     from refdem.report.writing import write_everything
 
     write_everything(Path(folder), sheets, store)
     if store:
-        unchanged.left(Path(folder), sheets, store)
+        unchanged.keep_state(Path(folder), sheets, store)
 
 
-def is_as_left(folder: Path, store: "Store") -> bool:
+def is_up_to_date(folder: Path, store: "Store") -> bool:
     """True if the report in a folder is up to date with the records there.
 
     The store holds what is compared: digests of the records, of the code and of the templates, and
@@ -57,7 +57,7 @@ def is_as_left(folder: Path, store: "Store") -> bool:
     """
     from refdem.report import unchanged
 
-    return unchanged.is_as_left(Path(folder), store)
+    return unchanged.is_up_to_date(Path(folder), store)
 
 
 def write_manual(

@@ -160,7 +160,7 @@ class Recommendation:
     """One method in all of its settings: the step that holds the digits in every one of them, in
     units of the shortest time, and the cost of all.
 
-    `lacking` are the choices where no step holds them; `extrapolated` counts the steps that did not
+    `missed` are the choices where no step holds them; `extrapolated` counts the steps that did not
     run.
     """
 
@@ -168,12 +168,12 @@ class Recommendation:
     method: str
     control: Control
     held: tuple[Choice, ...]
-    lacking: tuple[Choice, ...]
+    missed: tuple[Choice, ...]
 
     @property
     def holds(self) -> bool:
         """True if the method holds the digits in every setting."""
-        return not self.lacking
+        return not self.missed
 
     @property
     def steps_per_tau(self) -> float | None:
@@ -237,14 +237,14 @@ def recommendations(found: Iterable[Choice]) -> list[Recommendation]:
     every = []
     for (engine, method), own in of_method.items():
         held = tuple(choice for choice in own if choice.level is not None)
-        lacking = tuple(choice for choice in own if choice.level is None)
+        missed = tuple(choice for choice in own if choice.level is None)
         every.append(
             Recommendation(
                 engine=engine,
                 method=method,
                 control=own[0].control,
                 held=held,
-                lacking=lacking,
+                missed=missed,
             )
         )
     return sorted(every, key=lambda one: (-len(one.held), one.cost, one.engine, one.method))

@@ -49,16 +49,20 @@ class Contents:
             found.setdefault(record.label, []).append(record)
         return found
 
-    def noticed(self, records: Iterable[Record]) -> dict[str, str]:
+    def resolution_sentences(self, records: Iterable[Record]) -> dict[str, str]:
         """The resolution of the verdicts on some records: one sentence for each method.
 
         Methods whose resolution was not measured are left out.
         """
         places = [(record.label, record.engine, record.method) for record in records]
-        return {place[-1]: self._noticed[place] for place in places if place in self._noticed}
+        return {
+            place[-1]: self._resolution_sentences[place]
+            for place in places
+            if place in self._resolution_sentences
+        }
 
     @cached_property
-    def _noticed(self) -> dict[tuple[str, str, str], str]:
+    def _resolution_sentences(self) -> dict[tuple[str, str, str], str]:
         """The sentence of each resolution, by label, engine and method."""
         return {(one.label, one.engine, one.method): one.sentence for one in self.resolutions}
 

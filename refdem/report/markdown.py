@@ -127,8 +127,8 @@ def _advice(contents: Contents) -> str:
     """
     lines = []
     for line in advised(contents):
-        told = [markdown_text(advice_text(best, line.settings)) for best in line.best]
-        lines.append([line.motion, markdown_text(line.engine), str(line.settings), *told])
+        advice_cells = [markdown_text(advice_text(best, line.settings)) for best in line.best]
+        lines.append([line.motion, markdown_text(line.engine), str(line.settings), *advice_cells])
     if not lines:
         return ""
     head = ["motion", "engine", "settings", *(f"{digits} digits" for digits in WANTED)]

@@ -33,8 +33,8 @@ def reasons_by_outcome(contents: Contents) -> dict[Outcome, list[Reason]]:
     sentences: dict[Outcome, dict[str, Findings]] = {}
     for record, finding in contents.findings():
         if finding.outcome != "pass":
-            told = sentences.setdefault(finding.outcome, {})
-            told.setdefault(finding.sentence, []).append((record, finding))
+            by_sentence = sentences.setdefault(finding.outcome, {})
+            by_sentence.setdefault(finding.sentence, []).append((record, finding))
     return {
         outcome: _grouped(sentences[outcome], outcome)
         for outcome in WORST_FIRST

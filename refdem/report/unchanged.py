@@ -30,43 +30,52 @@ class _State(msgspec.Struct):
     files: Files
 
 
-def stands(folder: Path, sheets: Sequence[Sheet], store: Store) -> bool:
+def is_current(folder: Path, sheets: Sequence[Sheet], store: Store) -> bool:
     """True if the report in the folder was made of these sheets and is unmodified.
 
     Times in the sheets are not compared.
     """
-    state = _left(folder, store)
-    return state is not None and state.sheets == _of_sheets(sheets) and _is_untouched(folder, state)
+    state = _kept_state(folder, store)
+    return (
+        state is not None
+        and state.sheets == _digest_of_sheets(sheets)
+        and _is_unmodified(folder, state)
+    )
 
 
-def is_as_left(folder: Path, store: Store) -> bool:
+def is_up_to_date(folder: Path, store: Store) -> bool:
     """True if the report in the folder is up to date with its own records.
 
     The digest of the records is compared; they are not parsed.
     """
-    state = _left(folder, store)
+    state = _kept_state(folder, store)
     if state is None or state.records is None:
         return False
-    return state.records == _of_records(folder) and _is_untouched(folder, state)
+    return state.records == _digest_of_records(folder) and _is_unmodified(folder, state)
 
 
-def left(folder: Path, sheets: Sequence[Sheet], store: Store) -> None:
+def keep_state(folder: Path, sheets: Sequence[Sheet], store: Store) -> None:
     """Stores the state of a report that has just been written."""
-    state = _State(_of_sheets(sheets), _of_records(folder), _maker(folder), _files(folder))
+    state = _State(
+        _digest_of_sheets(sheets),
+        _digest_of_records(folder),
+        _digest_of_code(folder),
+        _files(folder),
+    )
     store.put("report", _text(folder.resolve()), msgspec.json.encode(state))
 
 
-def _left(folder: Path, store: Store) -> _State | None:
+def _kept_state(folder: Path, store: Store) -> _State | None:
     """The stored state of the report in a folder, None if there is none."""
     return store.read("report", _text(folder.resolve()), msgspec.json.Decoder(_State).decode)
 
 
-def _is_untouched(folder: Path, state: _State) -> bool:
+def _is_unmodified(folder: Path, state: _State) -> bool:
     """True if the code that makes reports and all files in the folder are unchanged."""
-    return state.maker == _maker(folder) and state.files == _files(folder)
+    return state.maker == _digest_of_code(folder) and state.files == _files(folder)
 
 
-def _of_sheets(sheets: Sequence[Sheet]) -> str:
+def _digest_of_sheets(sheets: Sequence[Sheet]) -> str:
     """The digest of all sheets but the times of the campaign."""
     others = [sheet for sheet in sheets if not isinstance(sheet, CampaignSheet)]
     names = [sheet.name for sheet in sheets if isinstance(sheet, CampaignSheet)]
@@ -75,7 +84,7 @@ def _of_sheets(sheets: Sequence[Sheet]) -> str:
     ).hexdigest()
 
 
-def _of_records(folder: Path) -> str | None:
+def _digest_of_records(folder: Path) -> str | None:
     """The digest of records.jsonl; None if it is empty or no plain file."""
     try:
         data = content(folder / RECORDS)
@@ -86,7 +95,7 @@ def _of_records(folder: Path) -> str | None:
     return hashlib.sha256(data).hexdigest()
 
 
-def _maker(folder: Path) -> str:
+def _digest_of_code(folder: Path) -> str:
     """The digest of code and templates, of the packages that draw, and of whether there are a
     gallery and a site to lead to.
     """

@@ -23,8 +23,8 @@ from refdem.mechanics import momentum
 from refdem.mechanics.quaternion import conjugate, rotated
 from refdem.scene.elements.periodic_box import PeriodicBox
 from refdem.scene.singularity import KINK, sharpest_exponent
-from refdem.smoke.clock import bounded, counted, refuse_other_shape
-from refdem.smoke.diagnosis import diagnosed
+from refdem.smoke.clock import bounded_finding, refuse_other_shape, step_count_findings
+from refdem.smoke.diagnosis import likely_causes
 from refdem.smoke.force_probes import force_probes
 from refdem.smoke.gripping_probes import gripping_probe
 from refdem.smoke.impact_probes import impact_probes
@@ -60,7 +60,7 @@ SMOOTH_BASIS = (
 )
 RATE = 20.0
 """The fastest rate of a probe [1/s]."""
-PRINTED = 2.0**-31
+OUTPUT_ROUNDING = 2.0**-31
 """Least bound on the error that is estimated from two steps, in units of the scale of a probe. The
 5e-10 allow for numbers printed with ten digits, and exceed the round-off of 4096 steps by far.
 """
@@ -72,7 +72,7 @@ START_BOUND = 1e-12
 """Largest error of the first sample in units of its scale, for a method in binary64: a few
 thousand roundings; a conversion (START_BASIS) makes a few.
 """
-ENOUGH = 3
+FAILURES_TO_GIVE_UP = 3
 """Number of failures with the same cause after which an engine without any result is given up."""
 CLOCK_BASIS = (
     "samples are whole multiples of dyadic steps, so a clock that sums the"
@@ -106,8 +106,8 @@ def smoke(engine: Engine) -> list[Finding]:
     failure that many probes share is reported once, with their names. An engine without any result
     that fails for the same reason each time is given up.
     """
-    findings = _worst([counted(engine, method) for method in engine.methods])
-    unasked = []
+    findings = _worst([step_count_findings(engine, method) for method in engine.methods])
+    not_run = []
     for probe in every_probe():
         reasons = [(method, _unsupported(engine, method, probe)) for method in engine.methods]
         supporting = [method for method, reason in reasons if reason is None]
@@ -118,11 +118,11 @@ def smoke(engine: Engine) -> list[Finding]:
                     check="smoke", quantity=probe.name, outcome="unsupported", sentence=sentence
                 )
             )
-        elif _never_answers(findings):
-            unasked.append(probe.name)
+        elif _always_fails(findings):
+            not_run.append(probe.name)
         else:
-            findings += _worst([_judged(engine, method, probe) for method in supporting])
-    return _told_once(findings, unasked)
+            findings += _worst([_probe_findings(engine, method, probe) for method in supporting])
+    return _merged_errors(findings, not_run)
 
 
 def _refusal(reasons: list[tuple[Method, str | None]], probe: Probe) -> str:
@@ -135,15 +135,17 @@ def _refusal(reasons: list[tuple[Method, str | None]], probe: Probe) -> str:
     return next(iter([*claiming, *others]), None) or "the engine has no methods"
 
 
-def _never_answers(findings: list[Finding]) -> bool:
-    """True if there is no result so far, and at least ENOUGH failures, all with the same cause."""
+def _always_fails(findings: list[Finding]) -> bool:
+    """True if there is no result so far, and at least FAILURES_TO_GIVE_UP failures, all with the
+    same cause.
+    """
     if any(finding.outcome in ("pass", "fail") for finding in findings):
         return False
     failed = [finding for finding in findings if finding.outcome == "error"]
-    return len(failed) >= ENOUGH and len({_cause(finding) for finding in failed}) == 1
+    return len(failed) >= FAILURES_TO_GIVE_UP and len({_cause(finding) for finding in failed}) == 1
 
 
-def _told_once(findings: list[Finding], unasked: list[str]) -> list[Finding]:
+def _merged_errors(findings: list[Finding], not_run: list[str]) -> list[Finding]:
     """The findings with errors of the same cause merged: the first one names the others, and the
     probes that were not tried.
     """
@@ -151,24 +153,24 @@ def _told_once(findings: list[Finding], unasked: list[str]) -> list[Finding]:
     for finding in findings:
         if finding.outcome == "error":
             same.setdefault(_cause(finding), []).append(finding.quantity)
-    told = []
+    merged = []
     for finding in findings:
         if finding.outcome != "error":
-            told.append(finding)
+            merged.append(finding)
         elif (quantities := same.pop(_cause(finding), None)) is not None:
-            told.append(_with_others(finding, quantities[1:], unasked))
-    return told
+            merged.append(_with_equal_failures(finding, quantities[1:], not_run))
+    return merged
 
 
-def _with_others(finding: Finding, failed: list[str], unasked: list[str]) -> Finding:
+def _with_equal_failures(finding: Finding, failed: list[str], not_run: list[str]) -> Finding:
     """The finding on an error, which names the other probes that failed for the same reason, and
     those that were not tried because of it.
     """
     sentence = finding.sentence
     if failed:
         sentence += f"; also failed for the same reason ({len(failed)}): {', '.join(failed)}"
-    if unasked:
-        sentence += f"; not run for this reason ({len(unasked)}): {', '.join(unasked)}"
+    if not_run:
+        sentence += f"; not run for this reason ({len(not_run)}): {', '.join(not_run)}"
     return msgspec.structs.replace(finding, sentence=sentence)
 
 
@@ -192,12 +194,12 @@ def _worst(by_method: list[list[Finding]]) -> list[Finding]:
     worst: dict[str, Finding] = {}
     for finding in (f for findings in by_method for f in findings):
         worst_so_far = worst.get(finding.quantity)
-        if worst_so_far is None or _badness(finding) > _badness(worst_so_far):
+        if worst_so_far is None or _severity(finding) > _severity(worst_so_far):
             worst[finding.quantity] = finding
     return list(worst.values())
 
 
-def _badness(finding: Finding) -> float:
+def _severity(finding: Finding) -> float:
     """The rank of a finding: the ratio of error to bound. An error finding ranks above and a
     refusal below all others.
     """
@@ -210,7 +212,7 @@ def _badness(finding: Finding) -> float:
     return finding.value / finding.bound
 
 
-def _judged(engine: Engine, method: Method, probe: Probe) -> list[Finding]:
+def _probe_findings(engine: Engine, method: Method, probe: Probe) -> list[Finding]:
     """The findings of one method on one probe."""
     request = _request(method, probe)
     try:
@@ -225,8 +227,8 @@ def _judged(engine: Engine, method: Method, probe: Probe) -> list[Finding]:
         sentence = f"{method.name} on {probe.name!r}: {type(error).__name__}: {error}"
         return [Finding(check="smoke", quantity=probe.name, outcome="error", sentence=sentence)]
     findings = [
-        _clock(trajectory, request, probe, method),
-        _first_sample(trajectory, request, probe, method),
+        _clock_finding(trajectory, request, probe, method),
+        _first_sample_finding(trajectory, request, probe, method),
     ]
     right = probe.right
     observed = {}
@@ -236,7 +238,9 @@ def _judged(engine: Engine, method: Method, probe: Probe) -> list[Finding]:
             observed[name] = values.reshape(expected.shape)
     changes = _changes_from_twice_the_step(engine, request, probe, observed)
     return findings + [
-        _compared(right, observed, name, request, probe, _allowed(method, probe, changes.get(name)))
+        _error_finding(
+            right, observed, name, request, probe, _error_bound(method, probe, changes.get(name))
+        )
         for name in observed
     ]
 
@@ -266,10 +270,12 @@ def _changes_from_twice_the_step(
         return {}
     changes = {}
     for name, values in observed.items():
-        before = _observed(trajectory, name, probe)
-        if before is not None:
+        coarse = _observed(trajectory, name, probe)
+        if coarse is not None:
             is_attitude = name == "attitude"
-            changes[name] = _largest(before.reshape(values.shape), values, signless=is_attitude)
+            changes[name] = _relative_error(
+                coarse.reshape(values.shape), values, up_to_sign=is_attitude
+            )
     return changes
 
 
@@ -282,13 +288,13 @@ def _sharpest_kink(probe: Probe) -> float:
     return sharpest_exponent(limit for _, limit in probe.scene.singularities())
 
 
-def _allowed(method: Method, probe: Probe, change: float | None) -> tuple[float, str]:
+def _error_bound(method: Method, probe: Probe, change: float | None) -> tuple[float, str]:
     """The bound on the error of a probe in units of its scale, and its basis.
 
     It is the smaller one of the bound for every correct program and of the estimate from the
     `change` from twice the step.
     """
-    bound, basis = _allowed_at_most(method, probe)
+    bound, basis = _largest_error_bound(method, probe)
     if change is None:
         return bound, basis
     order = method.order_for(Motion(probe.scene, probe.times).features)
@@ -296,18 +302,18 @@ def _allowed(method: Method, probe: Probe, change: float | None) -> tuple[float,
     if np.isinf(n):
         # With e(h) = C h^p the change from 2 h to h is e(2 h) - e(h) = (2^p - 1) e(h).
         factor = PREDICTION_FACTOR / (2.0**order - 1.0)
-        beside = 0.0
+        kink_error = 0.0
     else:
         # The step that straddles the kink has an error of its own, and C scatters (checks/_kinks).
         factor = KINK_PREDICTION_FACTOR
-        beside = PREDICTION_FACTOR * (STEP * RATE) ** (n + 1)
-    implied = factor * change + beside + probe.uncertainty + PRINTED
+        kink_error = PREDICTION_FACTOR * (STEP * RATE) ** (n + 1)
+    implied = factor * change + kink_error + probe.uncertainty + OUTPUT_ROUNDING
     if not implied < bound:
         return bound, basis
     return implied, IMPLIED_BASIS.format(factor=factor, order=order)
 
 
-def _allowed_at_most(method: Method, probe: Probe) -> tuple[float, str]:
+def _largest_error_bound(method: Method, probe: Probe) -> tuple[float, str]:
     """The bound on the error of a probe in units of its scale for every correct program, and its
     basis.
 
@@ -337,17 +343,21 @@ def _few_roundings(method: Method) -> float:
     return max(START_BOUND, CLOCK_ROUNDINGS * method.round_off)
 
 
-def _clock(trajectory: Trajectory, request: Request, probe: Probe, method: Method) -> Finding:
+def _clock_finding(
+    trajectory: Trajectory, request: Request, probe: Probe, method: Method
+) -> Finding:
     """The finding on the engine's own times, which must be the requested samples."""
     times = request.problem.times
     error = float(np.max(np.abs(trajectory.t - times)) / np.max(np.abs(times)))
     sentence = (
         f"{request.method}: the relative error of the clock at the last sample is {error:.2g}"
     )
-    return bounded(f"{probe.name}: clock", error, _few_roundings(method), CLOCK_BASIS, sentence)
+    return bounded_finding(
+        f"{probe.name}: clock", error, _few_roundings(method), CLOCK_BASIS, sentence
+    )
 
 
-def _first_sample(
+def _first_sample_finding(
     trajectory: Trajectory, request: Request, probe: Probe, method: Method
 ) -> Finding:
     """The finding on row 0, which must be the scene's state; in a periodic box any image of a place
@@ -368,7 +378,7 @@ def _first_sample(
             if column == "position":
                 first = expected + box.nearest(first - expected)
         is_attitude = column == "attitude"
-        distance = _largest(first, expected, signless=is_attitude)
+        distance = _relative_error(first, expected, up_to_sign=is_attitude)
         distances.append((distance, column))
     error, name = max(distances)
     sentence = (
@@ -376,16 +386,16 @@ def _first_sample(
         f" scene by {error:.2g} of its scale, in {name}"
     )
     quantity = f"{probe.name}: first sample"
-    return bounded(quantity, error, _few_roundings(method), START_BASIS, sentence)
+    return bounded_finding(quantity, error, _few_roundings(method), START_BASIS, sentence)
 
 
-def _largest(values: Array, expected: Array, *, signless: bool = False) -> float:
+def _relative_error(values: Array, expected: Array, *, up_to_sign: bool = False) -> float:
     """The largest difference, relative to the largest expected number or 1.
 
-    `signless` compares up to the sign of each vector: q and -q are the same attitude.
+    `up_to_sign` compares up to the sign of each vector: q and -q are the same attitude.
     """
     difference = np.abs(values - expected)
-    if signless:
+    if up_to_sign:
         to_opposite = np.abs(values + expected)
         is_nearer = difference.max(axis=-1, keepdims=True) < to_opposite.max(axis=-1, keepdims=True)
         difference = np.where(is_nearer, difference, to_opposite)
@@ -410,23 +420,23 @@ def _observed(trajectory: Trajectory, name: str, probe: Probe) -> Array | None:
     return trajectory.channels.get(name)
 
 
-def _compared(
+def _error_finding(
     right: Expected,
     observed: Expected,
     name: str,
     request: Request,
     probe: Probe,
-    allowed: tuple[float, str],
+    bound_and_basis: tuple[float, str],
 ) -> Finding:
     """The finding on one quantity, compared with its formula over the whole run.
 
     `right` and `observed` have all quantities, for the diagnosis of the adapter's mistake;
-    `allowed` is the bound with its basis.
+    `bound_and_basis` is the bound with its basis.
     """
     values = observed[name]
     expected = right[name]
-    error = _largest(values, expected, signless=name == "attitude")
-    bound, basis = allowed
+    error = _relative_error(values, expected, up_to_sign=name == "attitude")
+    bound, basis = bound_and_basis
     sentence = f"{request.method}: the error of {name} is {error:.2g} of its scale"
     if not error <= bound:
         by_sample = np.abs(values - expected).reshape(len(values), -1).max(axis=1)
@@ -436,12 +446,12 @@ def _compared(
             f" {_text(expected[worst])}"
         )
         elapsed = probe.times - probe.start
-        cause = diagnosed(right, observed, name, elapsed, probe.mistaken)
+        cause = likely_causes(right, observed, name, elapsed, probe.mistaken)
         if cause:
             sentence += f"; likely cause: {cause}"
         else:
             sentence += f"; no known mistake explains it; check in the adapter: {probe.shows}"
-    return bounded(f"{probe.name}: {name}", error, bound, basis, sentence)
+    return bounded_finding(f"{probe.name}: {name}", error, bound, basis, sentence)
 
 
 def _text(values: Array) -> str:

@@ -20,8 +20,8 @@ from refdem.smoke.clock_probes import (
     ROUNDED,
     SAMPLES,
     ClockScene,
+    clock_request,
     clock_scenes,
-    request,
     times,
 )
 
@@ -41,7 +41,7 @@ PLAUSIBLE = (0.5, 2.0)
 detect, and steps are measured in the program's own unit."""
 
 
-def counted(engine: Engine, method: Method) -> list[Finding]:
+def step_count_findings(engine: Engine, method: Method) -> list[Finding]:
     """The finding on the steps that a method takes, on the first scene that it supports.
 
     The list is empty for a method without steps, or if it supports no scene.
@@ -52,7 +52,7 @@ def counted(engine: Engine, method: Method) -> list[Finding]:
         if engine.unsupported(Motion(scene.scene, times(ROUND[0], 1.0)), method) is not None:
             continue
         try:
-            return [_judged(engine, method, scene)]
+            return [_step_count_finding(engine, method, scene)]
         except UnsupportedError:
             continue
         # Any exception of an adapter is its fault, and becomes a finding.
@@ -62,7 +62,7 @@ def counted(engine: Engine, method: Method) -> list[Finding]:
     return []
 
 
-def _judged(engine: Engine, method: Method, scene: ClockScene) -> Finding:
+def _step_count_finding(engine: Engine, method: Method, scene: ClockScene) -> Finding:
     """The finding on the largest excess of steps over all intervals, forwards and (where claimed)
     backwards.
     """
@@ -73,23 +73,25 @@ def _judged(engine: Engine, method: Method, scene: ClockScene) -> Finding:
         directions.append(-1.0)
     for direction in directions:
         plain, trajectory = _run(engine, method, scene, ROUND, direction)
-        pace = _pace(scene.passed(trajectory), plain)
+        time_ratio = _time_ratio(scene.passed(trajectory), plain)
         for interval in (ROUND, *ROUNDED):
-            asked, trajectory = _run(engine, method, scene, interval, direction)
-            excess = _excess_steps(scene, asked, trajectory, pace)
+            request, trajectory = _run(engine, method, scene, interval, direction)
+            excess = _excess_steps(scene, request, trajectory, time_ratio)
             largest = float(np.max(np.abs(excess)))
             # Written so that an excess that is not a number counts as a miscount.
             is_worst_miscount = not largest <= max(BOUND, worst)
             worst = max(worst, largest)
             if is_worst_miscount:
                 sentence = (
-                    f"{method.name} {_miscount(excess, asked.stride)}, with steps of"
-                    f" {asked.signed_step!r} s: {COUNT}"
+                    f"{method.name} {_miscount_text(excess, request.stride)}, with steps of"
+                    f" {request.signed_step!r} s: {COUNT}"
                 )
-    return bounded(QUANTITY, worst, BOUND, BASIS, sentence)
+    return bounded_finding(QUANTITY, worst, BOUND, BASIS, sentence)
 
 
-def bounded(quantity: str, value: float, bound: float, basis: str, sentence: str) -> Finding:
+def bounded_finding(
+    quantity: str, value: float, bound: float, basis: str, sentence: str
+) -> Finding:
     """A finding of the smoke test: a pass if the value is within the bound."""
     outcome: Outcome = "fail"
     if value <= bound:
@@ -109,15 +111,15 @@ def _run(
     engine: Engine, method: Method, scene: ClockScene, interval: tuple[float, int], direction: float
 ) -> tuple[Request, Trajectory]:
     """The request for a scene over an interval (length [s], stride), and its trajectory."""
-    asked = request(scene.scene, method.name, *interval, direction)
-    trajectory, _ = engine.run(asked)
-    refuse_other_shape(trajectory, asked)
-    return asked, trajectory
+    request = clock_request(scene.scene, method.name, *interval, direction)
+    trajectory, _ = engine.run(request)
+    refuse_other_shape(trajectory, request)
+    return request, trajectory
 
 
-def refuse_other_shape(trajectory: Trajectory, asked: Request) -> None:
+def refuse_other_shape(trajectory: Trajectory, request: Request) -> None:
     """Raises EngineError unless there is a row for each sample and body."""
-    expected = (len(asked.problem.times), len(asked.problem.scene.bodies), 3)
+    expected = (len(request.problem.times), len(request.problem.scene.bodies), 3)
     shape = trajectory.position.shape
     if shape != expected:
         raise EngineError(
@@ -125,34 +127,34 @@ def refuse_other_shape(trajectory: Trajectory, asked: Request) -> None:
         )
 
 
-def _pace(passed: Array, asked: Request) -> float:
+def _time_ratio(passed: Array, request: Request) -> float:
     """The ratio of elapsed to requested time if it is explained by another unit, else 1.
 
     `passed` (T,) [s] is the time that the state shows. A ratio within PLAUSIBLE is a miscount of
     steps, not another unit.
     """
-    total = asked.problem.times[-1] - asked.problem.times[0]
-    pace = abs(float(passed[-1] / total))
+    total = request.problem.times[-1] - request.problem.times[0]
+    time_ratio = abs(float(passed[-1] / total))
     slowest, fastest = PLAUSIBLE
-    is_miscounted = slowest <= pace <= fastest or pace == 0
-    if is_miscounted or not np.isfinite(pace):
+    is_miscounted = slowest <= time_ratio <= fastest or time_ratio == 0
+    if is_miscounted or not np.isfinite(time_ratio):
         return 1.0
-    return pace
+    return time_ratio
 
 
-def _excess_steps(scene: ClockScene, asked: Request, run: Trajectory, pace: float) -> Array:
+def _excess_steps(scene: ClockScene, request: Request, run: Trajectory, time_ratio: float) -> Array:
     """The number of steps (T,) in excess of the requested ones, up to each sample.
 
     Measured by the state and by the program's own time, whichever deviates more.
     """
-    elapsed = asked.problem.times - asked.problem.times[0]
-    by_state = (scene.passed(run) / pace - elapsed) / asked.signed_step
-    by_clock = (run.t - run.t[0] - elapsed) / asked.signed_step
+    elapsed = request.problem.times - request.problem.times[0]
+    by_state = (scene.passed(run) / time_ratio - elapsed) / request.signed_step
+    by_clock = (run.t - run.t[0] - elapsed) / request.signed_step
     excess: Array = np.where(np.abs(by_state) >= np.abs(by_clock), by_state, by_clock)
     return excess
 
 
-def _miscount(excess: Array, stride: int) -> str:
+def _miscount_text(excess: Array, stride: int) -> str:
     """The kind of miscount that an excess of steps (T,) shows, as the end of a sentence."""
     if np.all(np.round(excess[1:]) == -stride):
         return (

@@ -55,7 +55,9 @@ def times(interval: float, direction: float) -> Array:
     return np.asarray(interval * number, float)
 
 
-def request(scene: Scene, method: str, interval: float, stride: int, direction: float) -> Request:
+def clock_request(
+    scene: Scene, method: str, interval: float, stride: int, direction: float
+) -> Request:
     """The request for the scene with `stride` steps of interval/stride [s] between samples."""
     motion = Motion(scene, times(interval, direction))
     return Request(problem=motion, method=method, step=interval / stride)

@@ -19,15 +19,15 @@ from refdem.smoke.probes import ORDERS, Expected
 Array = NDArray[np.float64]
 Slip = Callable[[Expected], Expected]
 
-NEAR = 0.02
+MATCH_TOLERANCE = 0.02
 """Largest difference, relative to the scale, of an observed column and that of a slip which
 explains it.
 """
-LEFT = 0.25
+MAX_RESIDUAL = 0.25
 """Largest fraction of an error that a mistake which explains it leaves."""
-MOST_NAMED = 4
+MAX_CAUSES = 4
 """Largest number of equally good explanations that are named."""
-POINT_FACTOR = 10.0
+POINT_ERROR_RATIO = 10.0
 """Largest fraction of an error that a displaced point which explains it leaves."""
 
 
@@ -39,7 +39,7 @@ class Mistake:
     slip: Slip
 
 
-def _of(name: str, change: Callable[[Array], Array]) -> Slip:
+def _in_column(name: str, change: Callable[[Array], Array]) -> Slip:
     """A slip that changes one column, and nothing where there is no such column."""
 
     def slip(right: Expected) -> Expected:
@@ -65,12 +65,12 @@ def _next_rows(values: Array) -> Array:
     return np.concatenate([values[1:], values[-1:]])
 
 
-def _in_all(change: Callable[[Array], Array]) -> Slip:
+def _in_all_columns(change: Callable[[Array], Array]) -> Slip:
     """A slip in every column of the state."""
     return lambda right: {name: change(values) for name, values in right.items() if name in STATE}
 
 
-def _from_body(name: str) -> Slip:
+def _in_body_axes(name: str) -> Slip:
     """The slip that a vector is in body axes where it should be in space axes: v -> q* v q."""
 
     def slip(right: Expected) -> Expected:
@@ -84,7 +84,7 @@ def _from_body(name: str) -> Slip:
 def _reordered(name: str, order: str) -> Mistake:
     """The slip that a column has its axes in another order, such as "xzy"."""
     numbers = ["xyz".index(axis) for axis in order]
-    reorder = _of(name, lambda values: values[..., numbers])
+    reorder = _in_column(name, lambda values: values[..., numbers])
     return Mistake(f"the axes of {name} are in the order {order} instead of xyz", reorder)
 
 
@@ -92,41 +92,45 @@ COLUMNS = ("position", "velocity", "omega")
 MISTAKES = (
     Mistake(
         "the quaternion is in the order x, y, z, w instead of w, x, y, z",
-        _of("attitude", lambda q: np.roll(q, -1, axis=-1)),
+        _in_column("attitude", lambda q: np.roll(q, -1, axis=-1)),
     ),
     Mistake(
         "the quaternion is in the order z, w, x, y instead of w, x, y, z",
-        _of("attitude", lambda q: np.roll(q, 1, axis=-1)),
+        _in_column("attitude", lambda q: np.roll(q, 1, axis=-1)),
     ),
     Mistake(
         "the quaternion rotates space to body axes instead of body to space axes",
-        _of("attitude", conjugate),
+        _in_column("attitude", conjugate),
     ),
-    Mistake("omega is in body axes instead of space axes", _from_body("omega")),
-    Mistake("velocity is in body axes instead of space axes", _from_body("velocity")),
-    Mistake("position is in body axes instead of space axes", _from_body("position")),
-    Mistake("omega is in degrees per second instead of rad/s", _of("omega", np.degrees)),
+    Mistake("omega is in body axes instead of space axes", _in_body_axes("omega")),
+    Mistake("velocity is in body axes instead of space axes", _in_body_axes("velocity")),
+    Mistake("position is in body axes instead of space axes", _in_body_axes("position")),
+    Mistake("omega is in degrees per second instead of rad/s", _in_column("omega", np.degrees)),
     Mistake(
         "omega is in revolutions per second instead of rad/s",
-        _of("omega", lambda w: w / (2 * np.pi)),
+        _in_column("omega", lambda w: w / (2 * np.pi)),
     ),
-    Mistake("omega has the opposite sign", _of("omega", np.negative)),
-    Mistake("omega is always zero", _of("omega", lambda w: 0 * w)),
-    Mistake("attitude keeps its initial value", _of("attitude", _constant)),
-    Mistake("position is in millimetres instead of metres", _of("position", lambda r: 1000 * r)),
-    Mistake("position is in kilometres instead of metres", _of("position", lambda r: r / 1000)),
-    Mistake("position has the opposite sign", _of("position", np.negative)),
-    Mistake("position keeps its initial value", _of("position", _constant)),
-    Mistake("velocity is in mm/s instead of m/s", _of("velocity", lambda v: 1000 * v)),
-    Mistake("velocity has the opposite sign", _of("velocity", np.negative)),
+    Mistake("omega has the opposite sign", _in_column("omega", np.negative)),
+    Mistake("omega is always zero", _in_column("omega", lambda w: 0 * w)),
+    Mistake("attitude keeps its initial value", _in_column("attitude", _constant)),
+    Mistake(
+        "position is in millimetres instead of metres", _in_column("position", lambda r: 1000 * r)
+    ),
+    Mistake(
+        "position is in kilometres instead of metres", _in_column("position", lambda r: r / 1000)
+    ),
+    Mistake("position has the opposite sign", _in_column("position", np.negative)),
+    Mistake("position keeps its initial value", _in_column("position", _constant)),
+    Mistake("velocity is in mm/s instead of m/s", _in_column("velocity", lambda v: 1000 * v)),
+    Mistake("velocity has the opposite sign", _in_column("velocity", np.negative)),
     *starmap(_reordered, product(COLUMNS, ORDERS)),
-    Mistake("the bodies are in reverse order", _in_all(lambda values: values[:, ::-1])),
-    Mistake("each row is that of the previous sample", _in_all(_previous_rows)),
-    Mistake("each row is that of the next sample", _in_all(_next_rows)),
+    Mistake("the bodies are in reverse order", _in_all_columns(lambda values: values[:, ::-1])),
+    Mistake("each row is that of the previous sample", _in_all_columns(_previous_rows)),
+    Mistake("each row is that of the next sample", _in_all_columns(_next_rows)),
 )
 
 
-def diagnosed(
+def likely_causes(
     right: Expected,
     observed: Expected,
     name: str,
@@ -141,14 +145,14 @@ def diagnosed(
     explanations = []
     for mistake in MISTAKES:
         slipped = mistake.slip(right)
-        if name in slipped and distance(observed[name], slipped[name], name) <= NEAR:
+        if name in slipped and distance(observed[name], slipped[name], name) <= MATCH_TOLERANCE:
             explanations.append(mistake.description)
     explanations += [
         description for description, wrong in mistaken if _explains(right, observed, wrong)
     ]
     if not explanations:
-        return _displaced(right, observed, name, elapsed)
-    clause = " or ".join(explanations[:MOST_NAMED])
+        return _displaced_point_clause(right, observed, name, elapsed)
+    clause = " or ".join(explanations[:MAX_CAUSES])
     if len(explanations) > 1:
         clause += " (this probe cannot distinguish them)"
     return clause
@@ -159,9 +163,9 @@ def _explains(right: Expected, observed: Expected, wrong: Expected) -> bool:
     names = [name for name in wrong if name in observed and name in right]
     if not names:
         return False
-    left = max(distance(observed[name], wrong[name], name) for name in names)
+    residual = max(distance(observed[name], wrong[name], name) for name in names)
     error = max(distance(observed[name], right[name], name) for name in names)
-    return left <= NEAR and left <= LEFT * error
+    return residual <= MATCH_TOLERANCE and residual <= MAX_RESIDUAL * error
 
 
 def distance(values: Array, expected: Array, name: str) -> float:
@@ -175,7 +179,7 @@ def distance(values: Array, expected: Array, name: str) -> float:
     return float(difference.max() / scale)
 
 
-def _displaced(right: Expected, observed: Expected, name: str, elapsed: Array) -> str:
+def _displaced_point_clause(right: Expected, observed: Expected, name: str, elapsed: Array) -> str:
     """The clause that positions or velocities are those of a point displaced by d from the centre
     of mass; empty if no d explains the error.
 
@@ -193,7 +197,7 @@ def _displaced(right: Expected, observed: Expected, name: str, elapsed: Array) -
             displacement, *_ = np.linalg.lstsq(rows, error[:, body].ravel(), rcond=None)
             displacements.append(displacement)
         explained = np.einsum("tnij,nj->tni", maps, np.array(displacements))
-        if np.abs(error - explained).max() <= np.abs(error).max() / POINT_FACTOR:
+        if np.abs(error - explained).max() <= np.abs(error).max() / POINT_ERROR_RATIO:
             # Adding 0 turns -0 into 0.
             x, y, z = np.round(displacements[0], 3) + 0.0
             return f"{clause} by ({x:g}, {y:g}, {z:g}) m in body axes"

@@ -8,7 +8,13 @@ import pytest
 from typer.testing import CliRunner
 
 from refdem.cli.app import app
-from refdem.cli.without_effect import at_defaults, is_same_truth, sentences, unfelt, unused
+from refdem.cli.without_effect import (
+    at_defaults,
+    is_same_truth,
+    parameters_without_effect,
+    sentences,
+    unused,
+)
 from refdem.core import discovery
 from refdem.core.store import Store
 from refdem.core.truth import SampledTruth
@@ -42,12 +48,12 @@ def test_friction_is_not_felt_where_nothing_slips_and_is_where_something_does(tm
     store = Store(tmp_path / "store.sqlite")
     duration = {"duration": "1", "samples": "8"}
     straight = instance("bouncing-ball", friction="0.3", **duration)
-    assert unfelt(straight, store) == ["friction"]
+    assert parameters_without_effect(straight, store) == ["friction"]
     assert sentences(straight, store) == [
         "friction=0.3 changes nothing here, against its default 0: the certified motion is the same"
     ]
     oblique = instance("bouncing-ball", friction="0.3", velocity="1,0", **duration)
-    assert unfelt(oblique, store) == []
+    assert parameters_without_effect(oblique, store) == []
 
 
 def test_what_is_asked_of_the_clock_is_no_parameter_of_the_motion():

@@ -18,7 +18,7 @@ import pytest
 import typer
 
 from refdem.cli.app import app
-from refdem.cli.run import asked_for
+from refdem.cli.run import specification_of
 from refdem.core import discovery
 from refdem.gallery.gallery import names as figures
 from refdem.planning import plan
@@ -122,7 +122,7 @@ def test_what_a_page_says_to_run_is_run_by_every_engine_that_it_names(words: lis
     case = found["case"]
     cases = [case] if isinstance(case, str) else [str(one) for one in case or ()]  # type: ignore[attr-defined]
     campaign = str(found.get("campaign") or "")
-    specification = asked_for(cases, list(found["set"] or ()), campaign)  # type: ignore[call-overload]
+    specification = specification_of(cases, list(found["set"] or ()), campaign)  # type: ignore[call-overload]
     wanted = Specification(
         name="printed", case=specification.case, engines=list(found["engine"] or ["reference"])
     )  # type: ignore[call-overload]

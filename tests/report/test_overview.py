@@ -157,7 +157,7 @@ def recommendation(*levels, control="step", tau=1.0, extrapolated=False):
         )
         for level in levels
     )
-    return Recommendation(engine="alpha", method="rk4", control=control, held=held, lacking=())
+    return Recommendation(engine="alpha", method="rk4", control=control, held=held, missed=())
 
 
 @pytest.mark.parametrize(

@@ -9,7 +9,7 @@ import pytest
 
 from refdem.core import fingerprint
 from refdem.core.finding import CampaignSheet, Record
-from refdem.report import is_as_left, read_records, write_report
+from refdem.report import is_up_to_date, read_records, write_report
 
 
 @pytest.fixture
@@ -66,20 +66,20 @@ def test_another_finding_or_another_place_is_written(report, sheets, store, tmp_
 def test_it_is_as_it_was_left_until_something_of_it_or_behind_it_changes(
     report, sheets, store, monkeypatch
 ):
-    assert is_as_left(report, store)
+    assert is_up_to_date(report, store)
     # Every kind of file that a report has, among them one that nobody wrote.
     for place in ("index.html", "assets/report.css", "assets/index-tolerance.js", "validation.md"):
         path = report / place
         whole = path.read_bytes()
         path.unlink()
-        assert not is_as_left(report, store), place
+        assert not is_up_to_date(report, store), place
         path.write_bytes(whole)
         # The same bytes at another time: looked at again, which costs time and no truth.
-        assert not is_as_left(report, store), place
+        assert not is_up_to_date(report, store), place
         write_report(report, sheets, store)
-        assert is_as_left(report, store)
+        assert is_up_to_date(report, store)
     monkeypatch.setattr(fingerprint, "of_refdem", lambda: "another template")
-    assert not is_as_left(report, store)
+    assert not is_up_to_date(report, store)
 
 
 def test_a_changed_record_is_seen_by_its_bytes_whatever_its_time(report, sheets, store):
@@ -91,21 +91,21 @@ def test_a_changed_record_is_seen_by_its_bytes_whatever_its_time(report, sheets,
     path.write_text(changed)
     os.utime(path, ns=(before.st_atime_ns, before.st_mtime_ns))
     assert path.stat().st_mtime_ns == before.st_mtime_ns
-    assert not is_as_left(report, store)
+    assert not is_up_to_date(report, store)
     write_report(report, read_records(report), store)
     assert "The energy drift2" in (report / "cases/pendulum.html").read_text()
-    assert is_as_left(report, store)
+    assert is_up_to_date(report, store)
 
 
 def test_a_pipe_in_place_of_the_records_is_not_waited_for(report, sheets, store):
     (report / "records.jsonl").unlink()
     os.mkfifo(report / "records.jsonl")
-    assert not is_as_left(report, store)
+    assert not is_up_to_date(report, store)
     (report / "records.jsonl").unlink()
     write_report(report, sheets, store)
 
 
 def test_no_report_and_one_of_nothing_are_not_as_left(store, tmp_path):
-    assert not is_as_left(tmp_path, store)
+    assert not is_up_to_date(tmp_path, store)
     write_report(tmp_path, [], store)
-    assert not is_as_left(tmp_path, store)
+    assert not is_up_to_date(tmp_path, store)

@@ -22,7 +22,7 @@ from refdem.scene.elements.contact import Contact
 from refdem.scene.elements.spring import Spring
 from refdem.scene.elements.uniform_gravity import UniformGravity
 from refdem.smoke.battery import BOUND, SMOOTH_BOUND, STEP, every_probe, smoke
-from refdem.smoke.diagnosis import diagnosed, distance
+from refdem.smoke.diagnosis import distance, likely_causes
 
 SUBSTEPS = 4
 SAID = {"uniform_gravity", "spring"}
@@ -438,7 +438,7 @@ def test_a_known_mistake_is_named_alone_or_as_one_of_equals(probe, number):
     ]
     for name in failing:
         elapsed = probe.times - probe.start
-        clause = diagnosed(probe.right, seen, name, elapsed, probe.mistaken)
+        clause = likely_causes(probe.right, seen, name, elapsed, probe.mistaken)
         assert says in clause
         equals = [
             other

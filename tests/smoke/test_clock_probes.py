@@ -10,7 +10,7 @@ import pytest
 
 from refdem.core.engine import Engine, Method
 from refdem.core.trajectory import Cost, Trajectory
-from refdem.smoke.clock import QUANTITY, counted
+from refdem.smoke.clock import QUANTITY, step_count_findings
 
 DRIFT = Method(name="drift", summary="free flight", control="step", order=1, backward=True)
 
@@ -130,7 +130,7 @@ WRONG = (
 
 
 def found(engine):
-    (finding,) = counted(engine, engine.methods[0])
+    (finding,) = step_count_findings(engine, engine.methods[0])
     assert finding.quantity == QUANTITY
     return finding
 
@@ -181,7 +181,12 @@ def test_a_program_that_never_steps_backwards_has_taken_too_few():
 
 
 def test_a_method_without_steps_has_no_clock_to_look_at():
-    assert counted(Flight(by_stride), Method(name="drift", summary="", control="tolerance")) == []
+    assert (
+        step_count_findings(
+            Flight(by_stride), Method(name="drift", summary="", control="tolerance")
+        )
+        == []
+    )
 
 
 def test_what_an_adapter_raises_is_an_error_of_its_clock():
