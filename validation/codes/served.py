@@ -109,13 +109,19 @@ class Scene:
         """The same scene, with `dual(value, k)` in place of the k-th number of `sensitivities`."""
         request = copy.deepcopy(self.request)
         for k, key in enumerate(self.sensitivities):
-            *path, last = key.split(".")
-            holder = request
-            for word in path:
-                holder = entry(holder, word)[1]
-            place, value = entry(holder, last)
-            holder[place] = dual(value, k)
+            replace_number(request, key, lambda value, k=k: dual(value, k))
         return Scene(request, self.known)
+
+    def changes(self):
+        """The derivative of the scene by each number of `sensitivities`: a scene in which all
+        numbers that need not be whole are 0, but for that number, which is 1.
+        """
+        found = []
+        for key in self.sensitivities:
+            request = {**self.request, "scene": zeroed(self.request["scene"])}
+            replace_number(request, key, lambda value: 1.0)
+            found.append(Scene(request, self.known))
+        return found
 
     def differentiated(self, dual, slopes_of):
         """Keeps the derivatives of the rows of a run in dual numbers; `slopes_of(number)` are those
@@ -125,6 +131,27 @@ class Scene:
             for t, number, *vectors in dual.rows:
                 slopes = [[component(slopes_of(x), k) for x in vector] for vector in vectors]
                 self.slopes.append((key, t, number, *slopes))
+
+
+def replace_number(request, key, another):
+    """Puts `another(value)` in place of the number at a key."""
+    *path, last = key.split(".")
+    holder = request
+    for word in path:
+        holder = entry(holder, word)[1]
+    place, value = entry(holder, last)
+    holder[place] = another(value)
+
+
+def zeroed(document):
+    """A copy of a document with 0 for each number that need not be whole."""
+    if isinstance(document, dict):
+        return {name: zeroed(value) for name, value in document.items()}
+    if isinstance(document, list):
+        return [zeroed(value) for value in document]
+    if isinstance(document, float):
+        return 0.0
+    return document
 
 
 def entry(holder, word):
