@@ -105,7 +105,7 @@ def crossings(subject: Subject, truth: SampledTruth) -> Crossings:
 
 
 def error_at(crossing: Crossing, bound: Array, times: Array) -> float:
-    """The bound on the error of the state at an event at time t,
+    """The bound on the error of the state at an event at time t:
 
         E(t) = bound(next sample) exp(growth (t - last sample)).
 

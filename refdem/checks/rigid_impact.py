@@ -214,8 +214,8 @@ def _worst_of(
     measure: Measure,
     noun: str,
 ) -> Finding:
-    """The finding on the impact with the largest ratio of value to bound; undecided if the bounds of
-    all impacts exceed HORIZON.
+    """The finding on the impact with the largest ratio of value to bound; undecided if all bounds
+    exceed HORIZON.
     """
     departures = [measure(subject, run, found) for found in seen if found.closing > 0]
     sharp = [one for one in departures if one.bound <= HORIZON]
