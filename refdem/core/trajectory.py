@@ -34,7 +34,7 @@ class Event(msgspec.Struct, frozen=True):
 
 
 class Cost(msgspec.Struct, frozen=True, kw_only=True):
-    """Seconds in the engine's own loop, seconds of set-up, and steps taken (0: none were)."""
+    """Seconds in the engine's own loop, seconds of set-up, and number of steps (0 if none)."""
 
     seconds: float
     setup: float = 0.0

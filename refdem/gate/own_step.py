@@ -17,7 +17,7 @@ from refdem.scene.acceleration import Acceleration, acceleration, lacking
 
 Array = NDArray[np.float64]
 Step = Callable[[float, Array, Array, float, Acceleration], tuple[Array, Array]]
-"""`step(t, r, v, h, a)` returns the places and velocities (N, 3) [m], [m/s] at t + h [s], where
+"""`step(t, r, v, h, a)` returns the positions and velocities (N, 3) [m], [m/s] at t + h [s], where
 `a(t, r, v)` are the accelerations (N, 3) [m/s^2] of all bodies."""
 
 

@@ -259,7 +259,8 @@ def _summed(t: Array, rate: Array) -> Array:
 
 
 def _rotation_vector(q: Array) -> Array:
-    """The rotation vector (..., 3), at most pi long, of a unit quaternion."""
+    """The rotation vector (..., 3) [rad], at most pi long, of unit quaternions (..., 4)."""
+    # q = (cos(a/2), n sin(a/2)):  a n = (a/sin(a/2)) vec q,  2 vec q for a = 0.
     q = np.where(q[..., :1] < 0, -q, q)
     sine = np.linalg.norm(q[..., 1:], axis=-1, keepdims=True)
     angle = 2 * np.arctan2(sine, q[..., :1])
