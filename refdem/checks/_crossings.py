@@ -1,8 +1,8 @@
 """Certified events of a scene (stick, slip, stop, contact, release) and the rate of their event
 functions.
 
-An event is a zero of a function g(t) of the state. If the state is off by E, in units of its
-scales, the zero moves by about E/|g'|; so the check `event-times` needs |g'| and a bound on |g''|
+An event is a zero of a function g(t) of the state. An error E of the state, in units of its
+scales, moves the zero by about E/|g'|; so the check `event-times` needs |g'| and a bound on |g''|
 at each certified time. Both follow from the scene's own force laws:
 
   slip      g = mu0 N - |P|      P is the pull that friction must balance (class `Belt`)

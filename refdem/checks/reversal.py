@@ -527,7 +527,7 @@ def _defect_from_observed_error(
     if may_straddle(subject):
         off = straddled(subject, compared_level, run, truth.until)
         reached += max(float(of_quantity[-1]) for of_quantity in off.values())
-    # Errors of equal steps may grow by all of S on the way back, others as on the way forward.
+    # A = S for errors of equal steps, min(columns, S) for others.
     if subject.method.control == "step":
         amplification = float(truth.growth()[-1])
     else:

@@ -398,10 +398,10 @@ def turning(instance: Instance, method: Method, level: float) -> float:
 def clock(instance: Instance, method: Method, level: float) -> float:
     """Relative error that a summed clock causes: u T/tau for each addition; 0 if none is summed.
 
-    A time that is off by u t shifts the phase t/tau of the motion by u t/tau, and n additions do so
-    n times. A method that chooses its steps makes one addition a sample and CLOCK_STEPS in each
-    tau. A method of fixed steps takes the right number of them whatever its clock reads, so the
-    clock matters only where a drive reads it.
+    An error u t of the time is an error u t/tau of the phase t/tau of the motion, and n additions
+    add n such errors. A method that chooses its steps makes one addition for each sample and
+    CLOCK_STEPS in each tau. A method with fixed steps makes the right number of steps whatever its
+    clock shows, so the clock matters only if a drive depends on it.
     """
     phase = instance.scales.duration / instance.scales.tau
     if not method.summed_clock:

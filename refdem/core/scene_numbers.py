@@ -80,7 +80,7 @@ def _leaves(key: str, value: Any) -> list[tuple[str, float]]:
 
 
 def slope(value_at: Callable[[int], Any]) -> Any:
-    """The derivative by k of a function of whole numbers k = -3 ... 3, at 0, by WEIGHTS."""
+    """The derivative at k = 0 of a function of k = -3 ... 3, by the central difference WEIGHTS."""
     # f' = (45 (f_1 - f_-1) - 9 (f_2 - f_-2) + (f_3 - f_-3))/60.
     total: Any = 0.0
     for k, weight in WEIGHTS.items():

@@ -418,7 +418,7 @@ def _outcome(future: Any) -> tuple[BaseException | None, object]:
 
 
 def _read(data: object) -> remote.Returned:
-    """What a worker returned; raises ClusterError for anything else."""
+    """The decoded result of a worker; raises ClusterError for bytes that are none."""
     if not isinstance(data, bytes):
         raise ClusterError(f"a worker returned {type(data).__name__}; expected bytes")
     try:
