@@ -378,14 +378,15 @@ class Order(Check):
         There are four outcomes, tried in this order:
 
         - Undecided: there is one pair of levels above round-off, and its order may still rise. It
-          may if d < WHOLE, or if the next pair, whose order is at most `next_order` in spite of its
-          rounding, may have at most half of d. (A deficit due to the next term of the error halves
-          with the step; one due to a term of lower order does not fall.)
+          may if d < WHOLE, or if the next pair, whose order is at most `next_order` because of its
+          rounding, may have at most half of d, or a deficit within the tolerance. (A deficit due to
+          the next term of the error halves with the step; one due to a term of lower order does
+          not fall.)
         - `_cancelled` judges it: d exceeds the tolerance, but orders p and p + 1 fit the errors at
           least as well as p - 1 and p do.
-        - The deficit of the finest pair is held to `expected`, if that is less than the tolerance,
-          and if d is within `expected` or a term of lower order fits the errors better.
-        - Otherwise d is held to the tolerance.
+        - The deficit of the finest pair is compared with `expected`, if that is less than the
+          tolerance, and if d is within `expected` or a term of lower order fits the errors better.
+        - Otherwise d is compared with the tolerance.
 
         `orders` are those of the pairs above round-off, coarse to fine; `expected` bounds the
         deficit of the finest pair (`expected_lack`); `misfits` is None for fewer than three levels.

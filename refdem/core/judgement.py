@@ -478,7 +478,7 @@ def followed(
 def _largest_error(subject: Subject, level: float, run: Trajectory, truth: SampledTruth) -> Array:
     """The largest error of any quantity at each sample (until,), in units of the scales."""
     scaled = errors(subject.instance, run, truth, subject.method.delay(level))
-    # The zeros stand in where no quantity can be compared.
+    # max over quantities of the error; 0 if no quantity can be compared.
     largest: Array = np.maximum.reduce([np.zeros(truth.until), *scaled.values()])
     return largest
 

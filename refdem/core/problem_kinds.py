@@ -31,11 +31,11 @@ PER_OCTAVE = 8
 
 
 class Problem(ABC):
-    """One question to an engine.
+    """One problem for an engine to solve.
 
-    `times` (T,) are the samples: seconds of a motion, numbers of iterates of an iteration, mere
-    numbers otherwise. `scene` exists for motions and ensembles only. A new kind of question is a
-    subclass with a document of its own in problem.OTHERS.
+    `times` (T,) are the samples: times [s] of a motion, numbers of iterates of an iteration,
+    numbers without a unit otherwise. Only motions and ensembles have a `scene`. A new kind of
+    problem is a subclass with a document of its own in problem.OTHERS.
     """
 
     kind: ClassVar[str]

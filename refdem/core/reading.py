@@ -1,4 +1,4 @@
-"""Reads TOML and JSON that people and programs wrote into typed structs.
+"""Functions that read TOML and JSON files of users and programs into typed structs.
 
 Every fault becomes a UsageError of one sentence with its place: a name that no file can have, a
 folder, bytes that are no text, brackets nested too deeply, a field that does not fit.

@@ -20,7 +20,8 @@ STEPS = 32767
 class Grid(msgspec.Struct, frozen=True, kw_only=True):
     """Numbers (F, C) as multiples of scale/32767, 16 bits each in base64, little end first.
 
-    Only `columns` that hold something else than 0 are there, each as (F,) after the other.
+    Only columns with a number other than 0 are stored, one after the other; `columns` are their
+    indices.
     """
 
     scale: float

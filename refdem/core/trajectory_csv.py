@@ -40,9 +40,9 @@ def read_trajectory(
     """The trajectory in a CSV file with a row per sample and body; raises EngineError that names
     the wrong line.
 
-    A channel (rod_force, overlap, ...) has a column of its own. In the rows of one sample, the
-    value of the k-th element that has this channel stands in the row of body k; the other rows of
-    the column are empty.
+    A channel (rod_force, overlap, ...) has a column of its own. In the rows of one sample, the row
+    of body k has the value of the k-th element with this channel; the other cells of the column are
+    empty.
     """
     row_count = samples * bodies
     # One row more than expected is read, so that a file with more rows is noticed.

@@ -118,7 +118,7 @@ def rows(specification: Specification, engines: list[Engine]) -> list[Row]:
 def instances(specification: Specification) -> list[tuple[Instance, tuple[str, ...]]]:
     """The instances of a campaign, each with the only checks to run on it (none: all).
 
-    A selection stands for all instances that it admits, with its one check. Instances that are
+    A selection is replaced by all instances that it admits, with its one check. Instances that are
     already judged by all checks are not repeated.
     """
     requested: list[tuple[Instance, tuple[str, ...]]] = []
