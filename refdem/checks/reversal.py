@@ -203,7 +203,8 @@ class Reversal(Check):
             log(d(h_c)/d(h)) / log(h_c/h)
 
         with the return defects d at the steps h and h_c > h. There is no finding where d(h) is at
-        round-off, below the next term of the error, or larger than d(h_c).
+        round-off, below the next term of the error, or larger than d(h_c), or if d(h_c) is at least
+        HORIZON.
         """
         order = subject.order
         if order % 2:
