@@ -1,8 +1,8 @@
 """Certified events of a scene (stick, slip, stop, contact, release) and the rate of their event
 functions.
 
-An event is a zero of a function g(t) of the state. If the state is off by E, in units of its
-scales, the zero moves by about E/|g'|; so the check `event-times` needs |g'| and a bound on |g''|
+An event is a zero of a function g(t) of the state. An error E of the state, in units of its
+scales, moves the zero by about E/|g'|; so the check `event-times` needs |g'| and a bound on |g''|
 at each certified time. Both follow from the scene's own force laws:
 
   slip      g = mu0 N - |P|      P is the pull that friction must balance (class `Belt`)
@@ -105,10 +105,12 @@ def crossings(subject: Subject, truth: SampledTruth) -> Crossings:
 
 
 def error_at(crossing: Crossing, bound: Array, times: Array) -> float:
-    """The bound on the state at an event, E(t) = bound(next sample) exp(growth (t - last sample)).
+    """The bound on the error of the state at an event at time t:
 
-    The bound of the next sample covers errors at samples only, so growth since the sample before is
-    added.
+        E(t) = bound(next sample) exp(growth (t - last sample)).
+
+    `bound` (until,) holds at the samples `times` only, so the growth since the last sample is
+    included.
     """
     following = min(int(np.searchsorted(times, crossing.time)), len(bound) - 1)
     last_sample = float(times[max(0, following - 1)])
@@ -250,9 +252,9 @@ def rubbing(subject: Subject, truth: SampledTruth) -> Crossings:
         # The slip before the stop lasts half a period, pi sqrt(m/k).
         half_period = np.pi * sqrt(belt.mass / belt.spring.stiffness)
         rate = braking(belt, truth, time, position, time - half_period) / scales.speed
-        # With s = limit/k and places counted from P = 0, a half cycle leads from Y to
-        # -sgn(Y) (|Y| - 2 s). From |Y| = s + delta, delta < s, it ends at s - delta: the margin
-        # delta at its end is also the amount by which its start exceeds s.
+        # With s = limit/k and positions counted from that where P = 0, a half cycle leads from Y to
+        # -sgn(Y) (|Y| - 2 s). From |Y| = s + delta, delta < s, it ends at the distance s - delta:
+        # the margin delta at its end is also the amount by which its start exceeds s.
         margin = belt.margin(time, position) / scales.length
         stop = [Crossing(time, radius, rate, bend, growth, margin=margin)]
         known["stop"] = stop
@@ -335,7 +337,7 @@ def _is_contact_alone(scene: Scene) -> bool:
 
 
 def rounding(scene: Scene) -> float:
-    """The error [m] by which the overlap of shapes in touch may be rounded."""
+    """Bound [m] on the rounding error of the overlap of shapes in touch."""
     return TOUCHING * float(max(np.max(scene.bodies.radius), np.max(np.abs(scene.bodies.position))))
 
 
@@ -377,8 +379,8 @@ def is_impact(scene: Scene) -> bool:
 
 
 def is_impacts_alone(scene: Scene) -> bool:
-    """Nothing but impacts of spheres, with each other and with planes: between them bodies are
-    free, or fall after a start above all planes.
+    """True if nothing but impacts of spheres acts, with each other and with planes, and gravity if
+    all spheres start above the planes.
     """
     kinds: tuple[type, ...] = (Contact, Plane)
     if _is_above_planes(scene):
@@ -399,7 +401,7 @@ def is_corner_impact(scene: Scene) -> bool:
 
 
 def _is_above_planes(scene: Scene) -> bool:
-    """No sphere touches a plane at the start; one that rests there carries a load."""
+    """True if no sphere touches a plane at the start (one that rests there carries a load)."""
     bodies = scene.bodies
     for plane in scene.all(Plane):
         height = (bodies.position - np.array(plane.point)) @ np.array(plane.normal)
@@ -483,10 +485,12 @@ def parting(subject: Subject, truth: SampledTruth) -> Crossings:
     """Contact at the start and release after the certified duration, of bodies in touch at the
     start.
 
-    The contact is at the initial time exactly: no error of the state moves it. At the release g =
-    d, the overlap, or g = k d + c d' where the contact law ends at zero force. There d'' = 0, or
-    d'' < 0 where the normal turns, so that |g'| >= k |d'|. Dividing g by the most that one scale of
-    every quantity changes it by gives rate = |d'| / (reach (1 + c/(k tau))).
+    The contact is at the initial time exactly: no error of the state moves it. At the release
+    g = d, the overlap, or g = k d + c d' where the contact law ends at zero force. There d'' = 0,
+    or d'' < 0 where the normal turns, so that |g'| >= k |d'|. One scale of every quantity changes d
+    by at most `reach`, and g by at most k reach (1 + c/(k tau)), so
+
+        rate = |d'|/(reach (1 + c/(k tau))).
     """
     scene = subject.instance.scene
     scales = subject.instance.scales

@@ -97,9 +97,10 @@ def _on_plane(scene: Scene, place: Array, velocity: Array, radius: float) -> Tou
         height = float((place - np.array(plane.point)) @ away) - radius
         descent = -float(velocity @ away)
         pull = -float(falling(scene) @ away)
-        # height = w t + a t^2/2, with w the speed of descent and a the part of gravity towards the
-        # plane: t = 2 height/(w + q) if w > 0, else (q - w)/a, q = sqrt(w^2 + 2 a height). In each
-        # case the form without cancellation is used.
+        # The first root t > 0 of height = w t + a t^2/2, with the speed of descent w and the part a
+        # of gravity towards the plane:
+        #   t = 2 height/(w + q) if w > 0,   t = (q - w)/a otherwise,   q = sqrt(w^2 + 2 a height).
+        # Neither form subtracts nearly equal numbers.
         squared = descent**2 + 2.0 * pull * height
         if squared <= 0.0:
             continue
@@ -118,7 +119,8 @@ def _of_pair(apart: Array, relative: Array, reach: float) -> Touch | None:
     nearing = -float(apart @ relative)
     if nearing <= 0.0:
         return None
-    # t = k/(b + sqrt(q)) with b = -d.w, k = (|d| - R)(|d| + R), q = w^2 R^2 - |d x w|^2.
+    # The first root of |d + w t| = R, with the relative position d and velocity w:
+    #   t = k/(b + sqrt(q)),   b = -d.w,   k = (|d| - R)(|d| + R),   q = w^2 R^2 - |d x w|^2.
     distance = float(np.linalg.norm(apart))
     swept = np.cross(apart, relative)
     squared = reach**2 * float(relative @ relative) - float(swept @ swept)
@@ -144,7 +146,7 @@ def struck(scene: Scene, run: Trajectory, window: Window) -> Struck | None:
     before = run.velocity[window.first, numbers] + pull * found.wait
     after = run.velocity[window.last, numbers] - pull * (lasting - found.wait)
     omega = run.omega[[window.first, window.last]][:, numbers]
-    # Relative velocity of the points in contact: v_12 + (R_1 w_1 + R_2 w_2) x n.
+    # Relative velocity of the points in contact: v_12 + (R_1 w_1 + R_2 w_2) x n, v_12 = v_1 - v_2.
     surface = np.sum(bodies.radius[:, None] * omega[0], axis=0)
     approach = _relative(before) + np.cross(surface, normal)
     # c = v_12.n before, parting = -v_12.n after; P = m_1 dv_1, and J_i dw_i of each body
@@ -243,10 +245,12 @@ def spin_noise(subject: Subject) -> float:
 
 
 def by_law(scene: Scene, found: Struck) -> Array:
-    """The impulse (3,) [N s] across the normal according to the law.
+    """The impulse P_t (3,) [N s] across the normal according to the law.
 
-    It is -k s, with k = min((1 + b) m_t, mu p/|s|) and p = (1 + e) m_n c: the impulse that stops
-    the slip s, or reverses its part b, limited by friction to mu p.
+        P_t = -min((1 + b) m_t, mu p/|s|) s,   p = (1 + e) m_n c.
+
+    The first is the impulse that changes the slip s to -b s, b the slip restitution; friction
+    limits its size to mu p, p the impulse along the normal.
     """
     law = scene.all(Contact)[0]
     bodies = bodies_of(scene, found.window)

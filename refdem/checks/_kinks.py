@@ -18,13 +18,13 @@ from refdem.scene.elements.contact import Contact
 from refdem.scene.singularity import JUMP, sharpest_exponent
 
 OWN_SHARE = 0.1
-"""Part of the largest of any quantity, of a change at a halving or of a rate, that a single
-quantity is given at least. A quantity whose own is smaller may owe it to terms that cancel.
+"""Lower bound on the change at a halving, or on the rate, that is used for a single quantity, as a
+part of the largest of any quantity. A smaller change of its own may be due to terms that cancel.
 """
 SEVERAL = 3
-"""Halvings of the step at which the changes of a quantity show that it has a part of its own."""
+"""Halvings of the step that are needed to accept a smaller lower bound, OWN_SHARE^2."""
 ALIKE = 2.0
-"""Factor within which the parts that a quantity has at several halvings are the same part."""
+"""Largest ratio of the parts of a quantity at several halvings that count as equal."""
 
 
 def may_straddle(subject: Subject) -> bool:
@@ -51,13 +51,13 @@ def sharpest_kink(subject: Subject, step: float, run: Trajectory) -> float:
 
 
 def least_shares(changes: Mapping[str, Sequence[Array]]) -> dict[str, Array]:
-    """Part (count,) of the largest change of any quantity that each quantity is given at least, by
-    the changes so far (count,) of every quantity at each halving.
+    """Lower bound (count,) on the change of each quantity, as a part of the largest change c of any
+    quantity, from the `changes` so far (count,) of every quantity at each halving.
 
-    One kink that scatters errors scatters those of all quantities alike: the change of a quantity
-    is the same part of the largest at every halving. Terms of several kinks that cancel by chance
-    leave another part at the next halving. So a part that is the same within ALIKE at SEVERAL
-    halvings or more is that of the quantity, and it is given OWN_SHARE^2; others OWN_SHARE.
+    Errors that one kink scatters have a constant ratio c_q/c at all halvings. Terms of several
+    kinks that cancel by chance leave another ratio at the next halving. So a ratio that is the same
+    within the factor ALIKE at SEVERAL halvings or more is taken to be genuine, however small, and
+    the lower bound is OWN_SHARE^2; otherwise it is OWN_SHARE.
     """
     largest = np.maximum.reduce([np.array(own) for own in changes.values()])
     shares = {}
@@ -71,16 +71,17 @@ def least_shares(changes: Mapping[str, Sequence[Array]]) -> dict[str, Array]:
 
 
 def straddled(subject: Subject, step: float, run: Trajectory, count: int) -> dict[str, Array]:
-    """Bound (count,) on what a step h [s] that straddles a kink leaves of error in every quantity,
-    in units of its scale.
+    """Bound (count,) on the error in every quantity due to a step h [s] that straddles a kink, in
+    units of its scale.
 
     Within a step of its kink, a force that varies as |s|^n is at most (h/tau)^n of its later value,
     so the bound is
 
         PREDICTION_FACTOR min(1, h/tau)^n h max|dq/dt|,
 
-    with the largest rate so far of the quantity q in the run at that step, in its scale, or
-    OWN_SHARE of the largest of any quantity, as the motion passes errors from one to the other.
+    with the largest rate so far of the quantity q in `run`, in its scale. The rate is taken to be
+    at least OWN_SHARE of the largest rate of any quantity, since errors of one quantity cause
+    errors of others; for an angle it is the largest rate of any quantity.
     """
     share = min(1.0, step / subject.instance.scales.tau) ** sharpest_kink(subject, step, run)
     rates = _fastest(subject, run)

@@ -85,10 +85,11 @@ class ContactLine(Check):
                     "truncation error extrapolated from the coarsest step with the claimed order"
                 )
             allowed = np.minimum(allowed, extrapolated)
-        # Friction adds to J omega what it takes from R n x m v. Either change is the signal.
-        # |J (omega - omega_0)|/size
+        # Friction changes J omega and R n x m v by opposite amounts. The signal is the change of
+        # the first, |J (omega - omega_0)|/size.
         spun_up = scene.bodies.inertia[0, 0] * (run.omega[:, 0] - run.omega[0, 0])
-        # A run that exchanges nothing, although friction acts, has a signal below any bound.
+        # The smallest positive number where nothing is exchanged: a signal of 0 would mark a law
+        # that always decides (`Sight`), and here friction should act.
         exchanged = np.maximum(np.linalg.norm(spun_up, axis=1), np.finfo(float).tiny)
         signal: Array = exchanged / _size(subject)
         return [
@@ -112,7 +113,7 @@ class ContactLine(Check):
 def _excess(subject: Subject, run: Trajectory) -> Array:
     """The change of the moment beyond that by gravity (T,), in units of `_size`."""
     scene = subject.instance.scene
-    # |M(t) - M(0) - R n x m g t|/size
+    # |M(t) - M(0) - R n x m g t|/size,  M = R n x m v + J (omega - (omega.n) n).
     now = moment(scene, run.velocity[:, 0], run.omega[:, 0])
     elapsed = (run.t - run.t[0])[:, None]
     gained = now - now[0]
@@ -121,8 +122,8 @@ def _excess(subject: Subject, run: Trajectory) -> Array:
 
 
 def _size(subject: Subject) -> float:
-    """m R |v| + J |omega| at the start plus |R n x m g| T at the end of a run of length T
-    [kg m^2/s].
+    """The scale m R |v| + J |omega| + |R n x m g| T of the moment [kg m^2/s], with v and omega at
+    the start and the time T [s] of the last sample.
     """
     scene = subject.instance.scene
     bodies = scene.bodies

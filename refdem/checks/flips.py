@@ -41,10 +41,12 @@ class Flips(Check):
             return [undecided(self.name, "flips", no_truth(subject))]
         bound = subject.bound(subject.levels[-1])
         count = scored(bound)
+        # The axis with the second largest principal moment of inertia.
         axis = "xyz"[int(np.argsort(subject.instance.scene.bodies.inertia[0])[1])]
         name = f"omega_body.{axis}"
         true_omega = truth.value(name)[:count]
-        # Within the bound of 0 the run may have either sign: such samples are left out.
+        # Where |omega| is within its bound the sign of a correct run is not known: samples count
+        # only where |omega_true| > bound scale.
         has_sign = np.abs(true_omega) > bound[:count] * subject.instance.quantities[name].scale
         run_omega = subject.instance.observe(runs[subject.finest].trajectory)[name][:count]
         n_observed = _flips(run_omega[has_sign])

@@ -64,12 +64,14 @@ a line fails 13 at six levels; 0.8 or more, 3. A method of first order is failed
 """
 
 OCTAVES = 14
-"""log2 of the odds, 1 in 16,000, beyond which all events do not lie near samples by chance."""
+"""-log2 of the probability, 1 in 16,000, below which events are not taken to lie near samples by
+chance.
+"""
 
 WHOLE = 0.9
 """Deficit, nearly a whole order, at which a single pair of levels contradicts the claim.
 
-One pair does not distinguish a lower order from terms that cancel.
+With a smaller deficit one pair does not distinguish a lower order from terms that cancel.
 """
 
 CANCELLED = 0.1
@@ -257,13 +259,14 @@ class Order(Check):
             above = [k for k in range(len(largest)) if largest[k] > floor[k]]
             return self._mean(subject, [counting[k] for k in above], [largest[k] for k in above])
         pairs = list(zip(pairwise(largest), floor[1:], strict=True))
-        # Errors within round-off show no order.
+        # log2(e(h)/e(h/2)) of every pair whose finer error is above round-off.
         orders = [observed_order(a, b) for (a, b), low in pairs if b > low]
         resolved = [
             h for h, error, low in zip(counting, largest, floor, strict=True) if error > low
         ][-3:]
-        # A relative rounding error r of an error b changes log2 b by r/ln 2, and that of the error
-        # before it by less: the error of the order is at most 2 r/ln 2.
+        # A relative rounding error r of the finer error b of a pair changes log2 b by r/ln 2, and
+        # the coarser error, which is larger, has a smaller one. So the order is off by at most
+        # 2 r/ln 2.
         rounded = max(
             _rounding(subject, h) / b
             for h, (_, b), low in zip(counting[1:], pairwise(largest), floor[1:], strict=True)
@@ -289,12 +292,13 @@ class Order(Check):
         self, subject: Subject, runs: Mapping[Variant, CompletedRun], errors_at: Seen
     ) -> list[Finding]:
         """The finding that errors at the three finest levels do not rise as the step falls,
-        whatever their bound; undecided where they rise within what friction leaves that alternates
-        in sign from step to step.
+        whatever their bound.
 
-        They are compared on the samples up to which all three are small: beyond the horizon errors
-        have no order. Where kinks scatter errors, the mean slope of all levels must show the rise
-        beyond chance.
+        The value is the rise in octaves, log2(e(h/4)/e(h)), if the error rises by more than RISE at
+        both halvings, else 0. Errors are compared up to the first sample at which one of them is no
+        longer small, since beyond it they have no order. Where kinks scatter errors, the mean slope
+        of all levels must be below -RISE and miss the claimed order by more than SURE standard
+        deviations. Undecided where the errors are within those that alternating friction causes.
         """
         levels = sorted(errors_at, reverse=True)
         if len(levels) < 3:
@@ -368,23 +372,33 @@ class Order(Check):
         misfits: "Misfits | None",
         next_order: float = float("-inf"),
     ) -> Finding:
-        """The finding that the deficit, claimed less observed order, vanishes in the limit of small
-        steps.
+        """The finding that the deficit d = p - (observed order) vanishes in the limit of small
+        steps, within the tolerance max(0.15, 0.05 p).
 
-        - One pair of levels gives no limit: it fails only if its deficit is nearly a whole order
-          (WHOLE) and that of the next pair, whose order is at most `next_order` within rounding, is
-          more than half as large: the deficit halves if it is due to the next term of the error,
-          and stays if it is due to a term of lower order.
-        - A deficit beyond the tolerance is judged by `_cancelled` unless lower orders fit better.
-        - A deficit within the tolerance fails if it falls more slowly than `expected` and terms
-          of a lower order fit the errors better.
+        There are four outcomes, tried in this order:
+
+        - Undecided: there is one pair of levels above round-off, and its order may still rise. It
+          may if d < WHOLE, or if the next pair, whose order is at most `next_order` because of its
+          rounding, may have at most half of d, or a deficit within the tolerance. (A deficit due to
+          the next term of the error halves with the step; one due to a term of lower order does
+          not fall.)
+        - `_cancelled` judges it: d exceeds the tolerance, but orders p and p + 1 fit the errors at
+          least as well as p - 1 and p do.
+        - The deficit of the finest pair is compared with `expected`, if that is less than the
+          tolerance, and if d is within `expected` or a term of lower order fits the errors better.
+        - Otherwise d is compared with the tolerance.
+
+        `orders` are those of the pairs above round-off, coarse to fine; `expected` bounds the
+        deficit of the finest pair (`expected_lack`); `misfits` is None for fewer than three levels.
         """
         claimed = subject.order
         tolerance = max(0.15, 0.05 * claimed)
         listed = ", ".join(f"{order:.2f}" for order in orders)
+        # d in the limit of small steps, from the last two pairs.
         deficit = lack(orders, claimed)
         first_deficit = claimed - orders[0]
         is_alone = len(orders) == 1 and first_deficit > tolerance
+        # p - next_order <= max(tolerance, d/2): the next pair may have half the deficit.
         falls = claimed - next_order <= max(tolerance, first_deficit / 2.0)
         may_rise = first_deficit < WHOLE or falls
         if is_alone and may_rise:
@@ -403,8 +417,9 @@ class Order(Check):
             deficit <= expected or (misfits is not None and misfits.is_lower)
         ):
             tolerance = expected
-            # `expected` bounds the deficit of the finest pair, not its limit for small steps. Both
-            # exceed it together: the limit is smaller only below the deficit of the pair before.
+            # `expected` bounds the deficit of the finest pair, not its limit for small steps, so
+            # that deficit is the value compared. It is at least the limit, and exceeds the limit
+            # only where the deficit falls from the pair before.
             deficit = max(0.0, claimed - orders[-1])
             basis = (
                 f"order {claimed} is claimed, and the deficit of pairs of levels must fall with the"
@@ -425,8 +440,11 @@ class Order(Check):
         )
 
     def _cancelled(self, subject: Subject, orders: list[float], misfits: "Misfits") -> Finding:
-        """The finding that orders are low because leading terms cancel: terms of the claimed order
-        and the next fit the errors.
+        """The finding on low observed orders whose cause may be that leading terms cancel: the
+        relative residual of a fit of a h^p + b h^(p+1) to the signed errors is at most CANCELLED.
+
+        Undecided if the residual is larger: the errors then do not distinguish the orders p and
+        p - 1.
         """
         claimed = subject.order
         listed = ", ".join(f"{order:.2f}" for order in orders)
@@ -479,12 +497,14 @@ class Order(Check):
         # the observed errors.
         slope, deviation, from_residuals = mean_order(steps, largest)
         deficit = claimed - slope
-        # The scatter that excuses a deficit: SURE deviations, or less if these errors lie close to
-        # a line, by Student's quantile for their degrees of freedom.
+        # The deficit that scatter explains: min(SURE sigma, max(LINE, t s)), where sigma is the
+        # expected deviation of the slope, s that from the residuals, and t Student's quantile for
+        # n - 2 degrees of freedom.
         quantile = STUDENT[min(len(steps) - 2, len(STUDENT) - 1)]
         scatter = min(SURE * deviation, max(LINE, quantile * from_residuals))
-        # Kinks may make errors smaller at coarse steps, so that errors rise a little, but not at
-        # all levels; of two levels the coarser one may have a small error by chance.
+        # Kinks may make the error small at a coarse step, so that it rises to the next level, but
+        # they do not make it rise over all levels. With two levels, the coarser error may be small
+        # by chance.
         may_rise = len(steps) == 2 or _best_tail(steps, largest) >= -RISE
         is_by_kinks = may_rise and _kinks_explain(subject, steps, largest)
         if deficit > 0.5 and (deficit <= scatter or is_by_kinks):
@@ -515,8 +535,9 @@ class Order(Check):
 
 
 def _kinks_explain(subject: Subject, steps: list[float], largest: list[float]) -> bool:
-    """True if kinks may explain errors that do not fall with the step: each is one that the claim
-    allows at the finest step.
+    """True if kinks may explain errors that do not fall with the step: every error is within the
+    bound that the claim gives at the finest step, and chance may have placed the kinks near samples
+    (K n <= OCTAVES).
 
     A kink at the fraction f of a step makes an error C h^p g(f) with |g| <= 1, and halving the step
     changes f to 2 f, or to 2 f - 1. Near a sample f < 2^-n, and if g varies as f^m there, the
@@ -547,8 +568,10 @@ def _alternates(
     levels: list[float],
     errors: list[float],
 ) -> bool:
-    """True if friction may alternate at each level and the error is within the slip that one step
-    of it produces: a slip of 0 is then left by a rounding, in a direction that is chance.
+    """True if at each of these levels friction may alternate in sign from step to step, and the
+    error (in units of scales) is within the slip that one step of friction produces.
+
+    A rounding then decides in which direction a slip of exactly 0 changes.
     """
     for level, error in zip(levels, errors, strict=True):
         slip = alternating_slip(subject, runs[Variant(level)].trajectory, level)
@@ -589,13 +612,14 @@ def mean_order(steps: list[float], errors: list[float]) -> tuple[float, float, f
     """
     x = np.log2(steps) - np.mean(np.log2(steps))
     y = np.log2(errors) - np.mean(np.log2(errors))
-    # With deviations x, y from the means: slope = sum x y / sum x^2, variance = s^2 / sum x^2.
+    # With the deviations x, y from the means:
+    #   slope = sum x y / sum x^2,   standard deviation of the slope = s / sqrt(sum x^2),
+    # where s is SCATTER, or from the residuals s^2 = sum (y - slope x)^2 / (n - 2).
     spread = float(x @ x)
     slope = float(x @ y) / spread
     degrees_of_freedom = len(x) - 2
     residual = float(np.sum((y - slope * x) ** 2))
     expected = SCATTER / float(np.sqrt(spread))
-    # The standard error of a slope: residual variance over the spread of the abscissae.
     from_residuals = float("inf")
     if degrees_of_freedom:
         from_residuals = float(np.sqrt(residual / (degrees_of_freedom * spread)))
@@ -605,10 +629,14 @@ def mean_order(steps: list[float], errors: list[float]) -> tuple[float, float, f
 def lack(orders: list[float], claimed: float) -> float:
     """Deficit of the orders of all pairs, coarse to fine, in the limit of small steps; at least 0.
 
-    An error term of lower order dominates at the finest pair, so that pair decides. Where terms of
-    higher order still cancel part of the leading one, the deficit at least halves from pair to
-    pair. Then last - (before - last) = 2 last - before bounds its limit, and counts if the finest
-    pair is already nearer to the claimed order than to the one below.
+    With d_k the deficit of pair k, the last one d_n, it is
+
+        max(0, min(d_n, 2 d_n - d_(n-1)))   if d_n < 0.5,   else   max(0, d_n).
+
+    A term of lower order dominates the error at the finest pair, so the finest pair decides. Where
+    terms of higher order still cancel part of the leading one, d_k = d + A 2^-k to first order in
+    the step, and d = 2 d_n - d_(n-1) is Richardson's extrapolation. It is used only where the
+    finest order is nearer to the claimed one than to the order below.
     """
     last_deficit = claimed - orders[-1]
     if len(orders) > 1 and last_deficit < 0.5:
@@ -621,13 +649,17 @@ def expected_lack(orders: Sequence[float], claimed: float) -> float:
     """Largest |deficit| expected at the finest of three or more pairs, from those at the two pairs
     before; infinite for fewer.
 
-    An error a h^p + b h^(p+1) has a deficit of about |b h/a|, which halves from pair to pair. With
-    one more term, deficits obey d3 = 3/4 d2 - 1/8 d1, so that |d3| is at most the larger of |d2|
-    and |d1|/2, also where d1 or d2 is nearly 0 because both terms cancel. A term one order lower
-    doubles the deficit instead.
+    The error a h^p + b h^(p+1) has at the steps h, h/2 the deficit -b h/(2 a ln 2) to first order
+    in h, which halves from pair to pair. With one more term d_k = A 2^-k + B 4^-k, so that
+
+        d_3 = 3/4 d_2 - 1/8 d_1,   |d_3| <= max(|d_2|, |d_1|/2),
+
+    also where d_1 or d_2 is nearly 0 because both terms cancel. A term of order p - 1 doubles the
+    deficit from pair to pair instead, until it reaches 1.
     """
     if len(orders) < 3:
         return float("inf")
+    # max(|d_2|, |d_1|/2), where d_2 is the pair before the finest, and d_1 the one before d_2.
     deficits = [abs(claimed - order) for order in orders]
     return max(deficits[-2], deficits[-3] / 2.0)
 
@@ -635,8 +667,11 @@ def expected_lack(orders: Sequence[float], claimed: float) -> float:
 def _order_at_most(
     subject: Subject, levels: Sequence[float], largest: Sequence[float], floor: Sequence[float]
 ) -> float:
-    """The largest order that the errors allow of the first pair whose finer error is within the
-    floor: that error may be smaller by what it is rounded by. Minus infinity without such a pair.
+    """The largest order that the errors allow for the first pair whose finer error is within the
+    floor; minus infinity without such a pair.
+
+    With the round-off r of the finer error it is log2(e(h)/(e(h/2) - r)), and infinite if r is at
+    least e(h/2).
     """
     for k in range(1, len(levels)):
         if largest[k] <= floor[k]:
@@ -691,8 +726,10 @@ def _fit_residual(errors: Sequence[Array], first: float, second: float) -> float
     """Largest relative residual at h/4 of a h^first + b h^second, fitted to the errors at h and
     h/2.
 
-    Such errors obey e(h/4) = (x + y) e(h/2) - x y e(h) with x = 2^-first, y = 2^-second.
+    `errors` are the signed errors at h, h/2 and h/4, arrays of one shape, in units of scales.
     """
+    # e(h/4) = (x + y) e(h/2) - x y e(h),  with x = 2^-first, y = 2^-second:
+    # both x^k and y^k satisfy this recurrence.
     coarse, middle, fine = errors
     x = 2.0**-first
     y = 2.0**-second
@@ -738,8 +775,8 @@ def _largest(scaled: Mapping[str, Array], common: int) -> float:
 
 
 def _may_be_rounding(subject: Subject, orders: list[float], shift: float) -> bool:
-    """True if the finest pair of levels alone lacks more than the tolerance, and no more beyond it
-    than `shift`, by which rounding may move an order.
+    """True if only the finest pair of levels has a deficit above the tolerance, and above it by at
+    most `shift`, the error of an order by rounding.
     """
     claimed = subject.order
     tolerance = max(0.15, 0.05 * claimed)
@@ -754,9 +791,10 @@ def _counting_levels(subject: Subject, levels: tuple[float, ...]) -> tuple[list[
     """The levels among these, coarse to fine, whose bound lies between 20 x round-off and a tenth
     of the scale; and the number of samples that all of them score.
 
-    Where the sensitivity takes every bound past a tenth before the end, levels are compared on the
-    samples that the third finest scores, or the fourth finest where kinks scatter the errors. A
-    multistep method shows its order once its first steps, of another rule, are few among all.
+    Where the sensitivity S makes every bound exceed a tenth of the scale before the end, levels are
+    compared on the samples that the third finest level scores, or the fourth finest where kinks
+    scatter the errors. Multistep methods make their first steps by another rule, so a level counts
+    only if a run has at least STARTED steps. Steps longer than the whole motion do not count.
     """
     truth = subject.truth
     assert truth is not None
@@ -794,14 +832,14 @@ def moving_time(truth: SampledTruth) -> float:
 
 
 def _floor(subject: Subject, level: float) -> float:
-    """Error at a level below which no order shows, times the sensitivity S at the end."""
+    """20 x round-off times the sensitivity S at the end: smaller errors have no order."""
     assert subject.truth is not None
     return subject.floor(level) * float(subject.truth.growth()[-1])
 
 
 def _rounding(subject: Subject, level: float) -> float:
-    """Round-off at a level, also of the clock and of far places, times the sensitivity S at the
-    end.
+    """Round-off of a level times the sensitivity S at the end; it includes that of a summed clock
+    and of positions far from the origin.
     """
     assert subject.truth is not None
     return subject.resolution(level) * float(subject.truth.growth()[-1])

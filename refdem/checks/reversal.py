@@ -1,8 +1,9 @@
 """Time reversal: a run is continued from its end with velocities reversed, or with negative steps,
 back to the start.
 
-The return defect is the distance of the state that comes back from the initial state, in units of
-each quantity's scale. S is the truth's bound on the growth of errors.
+The *forward run* goes from the start to the end time T, the *backward run* from its final state to
+the start. The *return defect* is the distance of the final state of the backward run from the
+initial state, in units of each quantity's scale. S is the truth's bound on the growth of errors.
 """
 
 import math
@@ -43,16 +44,16 @@ from refdem.scene.elements.uniform_gravity import UniformGravity
 CANCELLING = 0.5
 """Order beyond the claimed one with which an error falls where its leading terms cancel."""
 SHARP = 1e-3
-"""A bound on the return error, as a part of the scale, with which the finest level of the plan
-decides: a motion that came back so closely was reversed.
+"""Largest bound on the return defect, relative to the scales, with which the finest level of the
+plan decides; else that of `_predictable_level` is run as well.
 """
 STEPS_LATE = 2.0
 """Steps by which fixed steps may be late for an impact: bodies that overlap at the end of one step
 may change their velocities in the next.
 """
 MAX_RETURN_HALVINGS = 4
-"""Halvings of the finest step that are tried for the way back: errors grow on both ways, so a
-motion may be predictable forward and not back.
+"""Largest number of halvings of the finest step for which both runs are made. Errors grow in the
+forward and in the backward run, so a motion may be predictable in the first and not in the second.
 """
 
 
@@ -193,15 +194,17 @@ class Reversal(Check):
         level: float,
         growth: float,
     ) -> list[Finding]:
-        """The finding on the order of the return defect between a level and the next coarser one
-        that is run back: p if p is odd, p + 1 if p is even.
+        """The finding on the order q of the return defect between a level and the next coarser one
+        with a backward run: q = p if p is odd, q = p + 1 if p is even.
 
-        The backward run cancels a leading error term of even order. The observed order is
+        The backward run, with reversed velocities, cancels a leading error term of even order. The
+        observed order is
 
             log(d(h_c)/d(h)) / log(h_c/h)
 
-        with the return defects d. There is no finding where the defect is at round-off, or below
-        the next term of the error.
+        with the return defects d at the steps h and h_c > h. There is no finding where d(h) is at
+        round-off, below the next term of the error, or larger than d(h_c), or if d(h_c) is at least
+        HORIZON.
         """
         order = subject.order
         if order % 2:
@@ -260,8 +263,9 @@ def _return_bound(
 ) -> tuple[float, str]:
     """The bound on the return defect at a level, with its basis.
 
-    It is the smallest of three: what the claims allow, what the forward run's error against truth
-    implies, and what the defect at a larger step implies.
+    It is the smallest of three bounds: from the claims of the method (`_claimed_defect`), from the
+    error of the forward run against truth (`_defect_from_observed_error`), and from the defect at a
+    larger step (`_extrapolated_defect`).
     """
     bound = _claimed_defect(subject, level)
     basis = "truncation error of the forward and backward runs, the first amplified on the way back"
@@ -314,9 +318,10 @@ def _extrapolated_defect(
 
 
 def _is_exact(subject: Subject) -> bool:
-    """True if the way back undoes the way forward to round-off.
+    """True if the backward run returns to the start to round-off: a reversible or exact method.
 
-    Steps that detect an impact late do so in the backward run as well, at another position.
+    Fixed steps that detect an impact late are excepted: the backward run detects it late as well,
+    at another position.
     """
     is_reversible = subject.method.reversible and not _sees_impacts_late(subject)
     return is_reversible or subject.method.control == "exact"
@@ -330,11 +335,12 @@ def _sees_impacts_late(subject: Subject) -> bool:
 
 
 def _meets_too_soon(subject: Subject, level: float, bound: float) -> str | None:
-    """None, or the reason why a backward run may end before it detects its last impact, the first
-    one of the motion.
+    """None, or the reason why the backward run may end before it detects the first impact of the
+    motion, which it meets last.
 
-    It then ends with the velocities of before that impact. An error of positions, `bound` in units
-    of the length L, delays an impact by `bound` L over the closing speed.
+    The final velocities are then those that the motion has after that impact. An error of
+    positions, `bound` in units of the length L, delays an impact by `bound` L/c, c the closing
+    speed [m/s].
     """
     if not _sees_impacts_late(subject):
         return None
@@ -372,10 +378,13 @@ def _is_one_impact(scene: Scene) -> bool:
 def _claimed_defect(subject: Subject, level: float) -> float:
     """Bound on the return defect at a level, from the claims of the method; needs truth.
 
-    Let D(s) be the Jacobian of the flow from the start to time s. An error e made at time s becomes
-    D(T) D(s)^-1 e at the end, and the way back takes it to D(s)^-1 e: to first order it undoes the
-    growth on the way forward, and S counts once.
+    Let D(s) be the Jacobian of the flow from the start to time s. An error e made at time s of the
+    forward run is D(T) D(s)^-1 e at the end. To first order the backward run multiplies it by
+    D(T)^-1, so that D(s)^-1 e is left at the start: the growth from s to T cancels. The backward
+    run adds the same again.
     """
+    # Reversible methods: e is round-off. Others: |D(s)^-1 e| <= E(T) min(columns, S), where
+    # E(T) is the bound on the error at the end of the forward run.
     reached = _claimed_forward_error(subject, level)
     if _is_exact(subject):
         return _defect_bound(subject, _rounding_come_back(subject, level), reached)
@@ -383,18 +392,17 @@ def _claimed_defect(subject: Subject, level: float) -> float:
 
 
 def _rounding_come_back(subject: Subject, level: float) -> float:
-    """Bound on what the roundings of one way have become at the start, D(s)^-1 e of each.
+    """Bound on the error at the start due to the roundings e of one run, the sum of D(s)^-1 e.
 
-    Roundings e of random sign add up to the root of the sum of squares. If they are spread over the
-    steps of the way, D(s)^-1 counts by its root mean square, and not by its largest value. Those of
-    equal terms, `flight`, stretch momenta and drift places. Where nothing but weight acts, that is
-    a motion scaled in time, and
-
-        D(s)^-1 e <= (1 + 2 T/tau) e,   if D(s)^-1 is not less.
+    Roundings of random sign add as the root of the sum of their squares. For fixed steps they are
+    made at all times s, so |D(s)^-1| enters by its root mean square over the run; else by its bound
+    at the end. Roundings of equal terms (`flight`) have equal signs: they multiply velocities by a
+    factor and move positions in proportion to time. Where only gravity acts, this equals a motion
+    with scaled time, so that |D(s)^-1 e| <= (1 + 2 T/tau) |e| bounds them as well.
     """
     assert subject.truth is not None
     growth = subject.truth.growth()
-    # |D(s)^-1| <= S(s) times the columns, or S(s)^2, with S at the later end of each interval.
+    # |D(s)^-1| <= S(s) min(columns, S(s)), with S at the later end of each sample interval.
     inverse = growth[1:] * np.minimum(_columns(subject), growth[1:])
     if subject.method.control == "step":
         mean_inverse = float(np.sqrt(np.mean(inverse**2)))
@@ -415,19 +423,22 @@ def _are_bodies_free(subject: Subject) -> bool:
 
 
 def _return_amplification(subject: Subject) -> float:
-    """Factor by which the way back may amplify errors, if S amplified them forward.
+    """Factor min(columns, S) by which the backward run may amplify the error at the end of the
+    forward run, which contains the factor S already.
 
-    The flow of a reversible scene is symplectic: D^-1 is D transposed with rows and columns in
-    another order. So in the maximum norm |D^-1| is at most S times the number of columns, and at
-    most S^2.
+    The flow of a reversible scene is symplectic: D^T J D = J, so D^-1 = J^-1 D^T J is D transposed,
+    with rows and columns permuted and with signs. In the maximum norm, with |D| <= S,
+
+        |D^-1| <= S columns,   and   |D^-1| <= S^2.
     """
     assert subject.truth is not None
     return min(_columns(subject), float(subject.truth.growth()[-1]))
 
 
 def _columns(subject: Subject) -> float:
-    """Columns of D in which a row is not 0: two for each coordinate. Those of free bodies are
-    two for each coordinate of the centre of one body, or of its attitude.
+    """Largest number of columns of D in which one row may differ from 0: two for each coordinate of
+    every body. For free bodies D is block diagonal, with two columns for each coordinate of the
+    centre of one body, or of its attitude.
     """
     bodies = subject.instance.scene.bodies
     if _are_bodies_free(subject):
@@ -439,10 +450,11 @@ def _columns(subject: Subject) -> float:
 
 
 def _defect_bound(subject: Subject, each: float, reached: float) -> float:
-    """Defect bound 2 (each + reached^2 S): each way adds `each`, and the error `reached` at the end
-    adds its square to second order.
+    """Bound on the return defect from the error `each` that each of the two runs leaves at the
+    start, and the error `reached` at the end of the forward run, in units of scales.
     """
     assert subject.truth is not None
+    # 2 (each + reached^2 S): the second term is the error of second order.
     return 2 * (each + reached**2 * float(subject.truth.growth()[-1]))
 
 
@@ -456,14 +468,15 @@ def _claimed_forward_error(subject: Subject, level: float) -> float:
 
 
 def _roundings(subject: Subject, level: float) -> tuple[float, float]:
-    """Relative round-off of both ways before it grows: that of random sign with that of the clock,
-    and that of sums of equal terms.
+    """Relative round-off of both runs together before it grows: the part of random sign with that
+    of the clock, and the part due to sums of equal terms.
     """
-    # c u sqrt(2 n), and flight, or that of far places if it is more; and that of the clock.
+    # scattered = c u sqrt(2 n), alike = flight + turning; or scattered = sqrt(2) (far places) and
+    # alike = 0 if that is more. The clock adds to `scattered`.
     instance = subject.instance
     scattered = math.sqrt(2.0) * subject.round_off(level)
     alike = flight(instance, subject.method, level)
-    # Who spins about a principal axis turns by the same rotation at every step.
+    # A body that spins about a principal axis turns by the same rotation at every step.
     if "tumbling" not in instance.scene.features:
         alike += turning(instance, subject.method, level)
     far = math.sqrt(2.0) * of_far_places(instance, subject.method, level)
@@ -478,13 +491,21 @@ def _defect_from_observed_error(
     """Bound on the return defect from the observed error of the forward run against truth; infinite
     if unknown.
 
-    The way back passes the same positions, and D and D^-1 have the same singular values. So errors
-    of no particular structure grow as much there as forward, within a factor of the columns. Errors
-    of equal steps may have a structure that grows on the way back only: that of symplectic Euler is
-    an offset of the start (Hairer, Lubich and Wanner 2006, chapter IX), and the way back starts
-    elsewhere. These are given all of S. Round-off is added, since an error may be small by chance,
-    as where no number has to be rounded, and so is what a step that straddles a kink is off by. One
-    run does not determine the steps that a tolerance makes next to a kink.
+    With the observed error E of the forward run, a safety factor f, the round-off floor and the
+    error of a step across a kink (`straddled`), the error at the end is
+
+        reached = f E + floor + straddled,
+
+    and the backward run amplifies it by A, the bound being 2 (A reached + reached^2 S).
+
+    - The backward run passes the same positions, and the singular values of a symplectic D come in
+      pairs s, 1/s, so D^-1 has the same ones. Errors of no particular direction therefore grow as
+      in the forward run, within a factor of `_columns`: A = min(columns, S).
+    - Errors of equal steps may have a direction that grows in the backward run only. That of
+      symplectic Euler is a displacement of the start (Hairer, Lubich and Wanner 2006, chapter IX),
+      and the backward run has another start. For fixed steps A = S.
+    - The floor is added since E may be small by chance, for example where no number is rounded.
+    - With a tolerance, one run does not determine the steps next to a kink: the bound is infinite.
     """
     truth = certified(subject)
     assert truth is not None
@@ -507,7 +528,7 @@ def _defect_from_observed_error(
     if may_straddle(subject):
         off = straddled(subject, compared_level, run, truth.until)
         reached += max(float(of_quantity[-1]) for of_quantity in off.values())
-    # Errors of equal steps may grow by all of S on the way back, others as on the way forward.
+    # A = S for errors of equal steps, min(columns, S) for others.
     if subject.method.control == "step":
         amplification = float(truth.growth()[-1])
     else:
@@ -537,9 +558,9 @@ def _refuses_negative_steps(subject: Subject) -> str | None:
 
 
 def _compared_level(subject: Subject, level: float) -> float:
-    """The level whose observed error stands for that of the way back.
+    """The level whose observed error in the forward run bounds that of the backward run.
 
-    Methods with a tolerance may choose other steps on the way back, so a looser level is taken.
+    Methods with a tolerance may choose other steps in the backward run, so a looser level is taken.
     """
     if subject.method.control == "tolerance" and len(subject.levels) > 1:
         return subject.levels[-2]
@@ -547,11 +568,12 @@ def _compared_level(subject: Subject, level: float) -> float:
 
 
 def _predictable_level(subject: Subject) -> float:
-    """The level that decides if the finest one does not: the finest h, or the first of h/2, h/4,
-    ..., h/2^MAX_RETURN_HALVINGS at which the way back is predictable.
+    """The level that decides if the finest one does not: the first of h, h/2, h/4, ...,
+    h/2^MAX_RETURN_HALVINGS, from the finest h of the plan, at which the backward run is
+    predictable, or h if it is so at none of them.
 
-    It is predictable where the defect that the method claims is at most HORIZON, a tenth of the
-    scale. Where it is so at none of these levels the finest of the plan is taken.
+    The backward run is predictable where `_claimed_defect` is at most HORIZON, a tenth of the
+    scale.
     """
     finest = subject.levels[-1]
     if certified(subject) is None or subject.method.control != "step" or _is_exact(subject):
@@ -570,11 +592,11 @@ def _has_order(subject: Subject) -> bool:
 
 
 def _defect(subject: Subject, back: Trajectory, change: Change) -> float:
-    """Largest difference between the initial state and the state that came back, in units of each
-    scale.
+    """Return defect: the largest difference of the final state of a backward run from the initial
+    state, each in units of its scale.
 
-    The angular velocity is scaled by the largest initial one, or 1/tau if none turns; attitudes
-    differ by an angle.
+    The scales are L, V, the largest initial angular velocity (1/tau if no body turns), and 1 rad
+    for the angle between attitudes.
     """
     start = subject.instance.scene.bodies
     end = back.end()
@@ -584,7 +606,7 @@ def _defect(subject: Subject, back: Trajectory, change: Change) -> float:
     else:
         sign = 1.0
     omega_scale = np.max(np.linalg.norm(start.omega, axis=1)) or 1.0 / scales.tau
-    # A reversed run comes back with the initial velocities, of opposite sign.
+    # A run with reversed velocities ends with minus the initial velocities; `sign` undoes this.
     position = float(np.max(np.abs(end["position"] - start.position)))
     velocity = float(np.max(np.abs(sign * end["velocity"] - start.velocity)))
     omega = float(np.max(np.abs(sign * end["omega"] - start.omega)))

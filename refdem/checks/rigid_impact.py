@@ -106,9 +106,9 @@ class RigidImpact(Check):
         fastest = _fastest(scene)
         turned = _turn_of_normal(subject, fastest)
         rounding = subject.noise(subject.levels[-1]) * found.speeds
-        # off = 4 V a (1 + a) + u sum |v| max(1, w/c): where spheres nearly pass each other, a
-        # rounded position turns the normal by more, in the ratio of relative speed w and closing
-        # speed c.
+        # Error of a speed along the normal, with the relative speed w and the closing speed c:
+        #   off = 4 V a (1 + a) + u sum |v| max(1, w/c).
+        # In a grazing impact a rounding of positions turns the normal by w/c times as much.
         steep = max(1.0, found.approach / found.closing)
         off = SIDES * fastest * turned * (1 + turned) + rounding * steep
         allowed = off / found.closing
@@ -214,7 +214,9 @@ def _worst_of(
     measure: Measure,
     noun: str,
 ) -> Finding:
-    """The finding on the impact that is nearest to its bound; undecided where bounds hide all."""
+    """The finding on the impact with the largest ratio of value to bound; undecided if all bounds
+    exceed HORIZON.
+    """
     departures = [measure(subject, run, found) for found in seen if found.closing > 0]
     sharp = [one for one in departures if one.bound <= HORIZON]
     total = len(_list(subject))
@@ -244,8 +246,8 @@ def _worst_of(
 
 
 def _restitution_of(subject: Subject, run: Trajectory, found: Struck) -> Departure:
-    """The parting over the closing speed, against the law's."""
-    # |parting/c - e| <= (1 + e) off/c
+    """The parting speed over the closing speed c, compared with the restitution e of the law."""
+    # |parting/c - e| <= (1 + e) off/c:  both speeds are off by at most `off`.
     given = subject.instance.scene.all(Contact)[0].restitution
     ratio = found.parting / found.closing
     along, _ = pulls(subject.instance.scene, found)
@@ -257,12 +259,13 @@ def _restitution_of(subject: Subject, run: Trajectory, found: Struck) -> Departu
 
 
 def _friction_of(subject: Subject, run: Trajectory, found: Struck) -> Departure:
-    """The impulse across the normal against the law's, in units of effective mass times the closing
-    speed.
+    """The impulse P_t across the normal compared with that of the law, in units of effective mass
+    times closing speed, m_n c.
 
-    The law projects the impulse (1 + b) m_t s on the friction cone |P_t| <= mu (1 + e) m_n c. So an
-    error of the slip s enters with a factor of at most (1 + b) m_t, and one of the closing speed c
-    with at most mu (1 + e) m_n.
+    The law projects the impulse -(1 + b) m_t s on the friction cone |P_t| <= mu (1 + e) m_n c,
+    where s is the slip and b the slip restitution. A projection on a ball does not increase
+    distances, so an error of s enters with a factor of at most (1 + b) m_t, and an error of c with
+    a factor of at most mu (1 + e) m_n.
     """
     scene = subject.instance.scene
     law = scene.all(Contact)[0]
@@ -347,7 +350,7 @@ def exchange(scene: Scene, run: Trajectory) -> Exchange | None:
         return None
     masses = scene.bodies.mass
     relative = [_relative(run, row) for row in (0, -1)]
-    # J = m_1 dv_1,  J_n = -J.n,  J_t = |J + J_n n|
+    # P = m_1 dv_1,  pressing = -P.n,  rubbing = |P - (P.n) n|
     impulse = masses[0] * (run.velocity[-1, 0] - run.velocity[0, 0])
     pressing = -float(impulse @ normal)
     rubbing = float(np.linalg.norm(impulse + pressing * normal))

@@ -50,7 +50,9 @@ from refdem.scene.elements.uniform_gravity import UniformGravity
 Complex = NDArray[np.complex128]
 
 SMALLEST = float(np.finfo(float).tiny)
-"""Signal [m] of a line to which the motion does not contribute: no bound is below it."""
+"""Signal [m] of a line to which the motion does not contribute: the smallest positive double, which
+no bound is below.
+"""
 PLACE = "x"
 """The quantity whose lines are judged."""
 AMPLIFIED = 10.0
@@ -176,14 +178,15 @@ def is_driven_on_a_line(scene: Scene) -> bool:
 
 
 def has_a_cycle(scene: Scene) -> bool:
-    """True if one dashpot drives small motions and damps large ones, gently, and one force acts on
-    what is else a linear spring (1.124).
+    """True for van der Pol's oscillator under one periodic force (1.124): a linear spring, and one
+    dashpot with negative damping -c for small amplitudes, 0 < c/m <= ROUND w0.
     """
     dashpots = scene.all(Dashpot)
     (spring,) = scene.all(Spring)
     if len(dashpots) != 1 or len(drives_of(scene)) != 1 or spring.quadratic or spring.cubic:
         return False
     (dashpot,) = dashpots
+    # mu = c/m <= ROUND w0,  w0 = sqrt(k/m):  c <= ROUND sqrt(k m).
     gentle = ROUND * float(np.sqrt(spring.stiffness * scene.bodies.mass[0]))
     return bool(dashpot.van_der_pol > 0 and -gentle <= dashpot.damping < 0)
 

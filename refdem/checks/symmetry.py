@@ -46,9 +46,10 @@ from refdem.scene.shapes import extent
 DRAWS = (16, -16, 1, -1)
 """Further perturbations of the start, in units of `perturbation`/64, where rounding decides.
 
-Rounding decides where a quantity is within one rounding of a threshold. Of two starts that lie by
-more than a rounding on either side of it, one decides otherwise. The small amounts are for motions
-whose errors grow so fast that the effect of a decision is invisible with large ones.
+A rounding decides a discrete event where a quantity is within one rounding of its threshold. Two
+starts that lie on either side of the threshold, each by more than a rounding, have different
+outcomes. The small amounts are for motions whose errors grow so fast that with large amounts the
+growth hides the effect of a decision.
 """
 REORDERED = frozenset({"rotated", "mirrored", "relabelled", "rescaled"})
 """Images that change the iterations over contacts: contacts are found in another order or at other
@@ -131,8 +132,8 @@ class Symmetry(Check):
         return (*fine, *_further_perturbations(subject, level))
 
     def _is_explained(self, level: "Level", name: str) -> bool:
-        """True if an image differs by no more than what the perturbed starts so far explain, or has
-        not been run.
+        """True if an image differs by no more than the runs from perturbed starts allow, or has not
+        been run.
         """
         if Variant(level.level) not in level.runs or level.image(name) is None:
             return True
@@ -216,9 +217,9 @@ class Symmetry(Check):
         """The finding for a rotated scene where the difference exceeds round-off: it must be
         truncation error, and fall with the step.
 
-        A method may describe attitudes in coordinates with axes of their own, so that its
-        truncation error is not invariant. A difference that a rounding decided need not fall:
-        `decided` (T,) is allowed in addition.
+        A method may describe attitudes in coordinates that depend on the axes of space, such as
+        Euler angles, so that its truncation error is not invariant. A difference due to decisions
+        by rounding need not fall with the step: `decided` (T,) is allowed in addition.
         """
         coarsest = subject.levels[0]
         finest = subject.levels[-1]
@@ -227,7 +228,8 @@ class Symmetry(Check):
         order = subject.order
         truncation = (2 * subject.truncation(finest)) * growth
         count = scored(truncation)
-        # d(h) <= max(d(h_0) (h/h_0)^(p - 1/2), round-off), with h_0/h = 2^octaves
+        # d(h) <= min(2 E(h) S, max(d(h_0) (h/h_0)^(p - 1/2), round-off)) + decided,
+        # with the truncation error E, its growth S, the coarsest step h_0, and h_0/h = 2^octaves.
         octaves = np.log2(coarsest / finest)
         extrapolated = float(np.max(coarse)) / 2.0 ** (octaves * (order - 0.5))
         view = symmetry.of(subject.instance, "rotated")
@@ -253,8 +255,9 @@ class Symmetry(Check):
 
 
 class Compared(NamedTuple):
-    """An image beside the plain run: the difference (T,) of their states in units of the scales,
-    the growth (T,) of errors, and the round-off (T,) of both runs, which has grown.
+    """An image compared with the plain run: the difference (T,) of their states in units of the
+    scales, the growth (T,) of errors, and the bound (T,) on that difference due to round-off of
+    both runs, growth included.
     """
 
     difference: Array
@@ -365,8 +368,9 @@ def _has_axes(subject: Subject) -> bool:
 
 
 def _first_level(subject: Subject) -> float:
-    """The level at which images are compared first: the coarsest, where agreement to round-off is
-    the strongest evidence; the tightest tolerance where the engine chooses its steps.
+    """The level at which images are compared first: the coarsest, where truncation error is largest
+    and agreement to round-off the strongest evidence; the tightest tolerance where the engine
+    chooses its steps.
     """
     if subject.method.control == "tolerance":
         return subject.levels[-1]
@@ -374,8 +378,8 @@ def _first_level(subject: Subject) -> float:
 
 
 def level_for(subject: Subject) -> float:
-    """The coarsest level, where a small step hides nothing; the finest where truncation has to be
-    allowed for.
+    """The level whose images are judged: the coarsest, or the finest where rounding decides, since
+    the bound then includes truncation error.
     """
     if _rounding_decides(subject):
         return subject.levels[-1]
@@ -383,11 +387,12 @@ def level_for(subject: Subject) -> float:
 
 
 def growth_of(subject: Subject, level: float, perturbed: Trajectory, base: Trajectory) -> Array:
-    """Growth of an early error (T,): S of the truth, or the growth of the perturbed start.
+    """Growth factor (T,) of an early error: S of the truth, or G of a perturbed start.
 
-    S is the growth along the true motion. From where a run has departed from it, for example in
-    a close passage with too long steps, the growth is the larger of S and that of its perturbed
-    start.
+    S is the growth along the true motion, G = `growth_shown` that observed between the run from a
+    perturbed start and the plain run. The result is S up to the sample at which the plain run
+    departs from the true motion by more than HORIZON, for example in a close passage with too long
+    steps, and max(S, G) from there on. Without truth for the whole motion it is G.
     """
     truth = certified(subject)
     observed = growth_shown(subject.instance, subject.method, perturbed, base)
@@ -410,14 +415,17 @@ def _growth_across(subject: Subject) -> Array:
 
 
 def round_off(subject: Subject, level: float, view: symmetry.Symmetry) -> float:
-    """Round-off of both runs of a level, scaled by the size of the numbers in the image.
+    """Relative round-off of both runs of a level before it grows, 2 noise(h) s (1 + tau/h), where s
+    is the size of the numbers in the image relative to those of the scene.
 
-    A method that does not claim to conserve momentum may compute velocities as differences of
-    positions, as in Stoermer's rule: v = (r' - r)/h. A rounding error u r of a position then causes
-    an error u r/h, which in units of the speed L/tau is u r/L times tau/h.
+    The factor 1 + tau/h is for methods with a fixed step that do not claim to conserve momentum:
+    these may compute velocities as differences of positions, as in Stoermer's rule v = (r' - r)/h.
+    A rounding error u r of a position then causes an error u r/h, which in units of the speed L/tau
+    is u r/L times tau/h.
 
     A change of units rounds the moments of inertia again, which is visible for very slender bodies.
     """
+    # 2 noise s.
     rounding = 2 * subject.noise(level) * symmetry.size(subject.instance, view)
     if subject.method.control == "step" and "momentum" not in subject.method.conserves:
         rounding *= 1.0 + subject.instance.scales.tau / level
@@ -430,6 +438,7 @@ def allowed(subject: Subject, view: symmetry.Symmetry, growth: Array) -> Array:
     """Bound (T,) for images without perturbed runs: round-off of both runs, plus their truncation
     error where a decision may depend on rounding.
     """
+    # (round-off + 2 E) growth.
     level = level_for(subject)
     error = np.full_like(growth, round_off(subject, level, view))
     if _rounding_decides(subject):
@@ -449,9 +458,7 @@ def _perturbed_starts(subject: Subject, level: float) -> tuple[Variant, ...]:
 
 
 def _further_perturbations(subject: Subject, level: float) -> tuple[Variant, ...]:
-    """Perturbed starts by further amounts, on either side of any threshold within a rounding of the
-    start.
-    """
+    """Starts perturbed by DRAWS units in the last place of the method's precision."""
     units = perturbation(subject.method) // PERTURBED
     return tuple(Variant(level, "perturbed", draw * units) for draw in DRAWS)
 
@@ -475,18 +482,25 @@ def _iterates(subject: Subject) -> bool:
 def _decided_by_rounding(
     subject: Subject, runs: Mapping[Variant, CompletedRun], growth: Array, image: str
 ) -> Array:
-    """Difference (T,) allowed in an image because a rounding decided otherwise; at most the
-    truncation error of both runs.
+    """Difference (T,) allowed in an image since roundings decide discrete events otherwise in it.
 
-    Whether a contact or a stick that falls on the end of a step begins in that step or in the next
-    depends on the last bit. Both outcomes are then correct, and a start perturbed by a few
-    roundings has the other one. Where no perturbed start shows a difference, no decision depended
-    on a rounding. The sign of friction that alternates about a slip of 0 is decided by roundings at
-    every step.
+    If a contact or a stick begins at the end of a step to the last bit, a rounding decides whether
+    it begins in that step or in the next. Both outcomes are correct, and a start perturbed by a few
+    roundings has the other one. Where no perturbed start differs from the plain run, no rounding
+    decided an event.
 
-    Step sizes chosen by the engine always depend on roundings: see `_difference_of_step_choices`.
-    Iterations over contacts of rigid bodies in another order leave a different part of the
-    truncation error in the forces, of the size of the change with twice the step.
+    Let B = 2 E S be the truncation error E of both runs times its growth S, and D the largest
+    difference so far of the plain run and the runs from perturbed starts. The allowed difference is
+
+    - 0 where rounding decides nothing;
+    - min(B, `_difference_of_step_choices`) where the engine chooses the steps, which always depend
+      on roundings;
+    - B + `_fall_in_a_step` S for a polyhedron that moves along a plane it lies on;
+    - B + 2 s S where friction alternates in sign about a slip of 0: its sign is decided by a
+      rounding at every step, and s is the slip that one step of friction produces;
+    - min(B, MORE D + `_left_by_iterations`) otherwise, where the second term is for solvers that
+      iterate over contacts: in another order they leave another part of the truncation error;
+    - B where no perturbed start was run, for a rescaled polyhedron, or if s is not known.
     """
     if not _rounding_decides(subject):
         return np.zeros(len(growth))
@@ -504,7 +518,7 @@ def _decided_by_rounding(
         # Contact solvers reduce overlaps at a rate [1/s] of their own, which does not scale with
         # the unit of time. A corner that leaves slowly overlaps for many steps.
         return truncation
-    # The effect of decisions by rounding, from the runs with perturbed starts.
+    # D, the effect of decisions by rounding, from the runs with perturbed starts.
     largest = np.maximum.reduce(shown)
     slip = alternating_slip(subject, base, level)
     if slip is None:
@@ -548,7 +562,7 @@ def _fall_in_a_step(subject: Subject, level: float) -> float:
 def _differences_of_perturbed_starts(
     subject: Subject, runs: Mapping[Variant, CompletedRun], base: Trajectory
 ) -> list[Array]:
-    """Difference (T,) of every run from a perturbed start to the plain run."""
+    """Difference (T,) between the plain run and every run from a perturbed start, in scales."""
     level = level_for(subject)
     variants = (
         *_perturbed_starts(subject, level),
@@ -564,14 +578,15 @@ def _differences_of_perturbed_starts(
 def _flips_nothing(
     subject: Subject, runs: Mapping[Variant, CompletedRun], difference: Array, rounding: Array
 ) -> bool:
-    """True if a difference (T,) is too small to be the effect of a decision by rounding, which has
-    two outcomes at a finite distance.
+    """True if a difference (T,) is too small to be the effect of a decision by rounding, whose two
+    outcomes are motions a finite distance apart.
 
-    In a collision of two bodies without friction the decisions are the step of the touch and the
-    step of the release. Perturbed starts whose difference exceeds `rounding` (T,) give the effect
-    of one of them. That of the other one is smaller in the ratio of the speeds at which they
-    happen, which is taken to be at most KINK_PREDICTION_FACTOR. A still smaller difference must be
-    round-off.
+    In a collision of two bodies without friction, roundings decide in which step contact begins and
+    in which it ends. Perturbed starts whose difference exceeds `rounding` (T,) show the effect of
+    one of these decisions. The effect of the other is smaller in the ratio of the speeds of closing
+    and parting, which is taken to be at most KINK_PREDICTION_FACTOR. So the condition is
+
+        max difference < (smallest such effect)/KINK_PREDICTION_FACTOR.
     """
     if not _rounding_decides(subject) or not _is_one_collision(subject):
         return False
@@ -599,9 +614,10 @@ def _left_by_iterations(
 ) -> Array:
     """Difference (T,) that iterations over contacts of rigid bodies may leave in an image.
 
-    It is round-off of many operations, plus, where the image changes the order or the units of
-    contacts, the change of the motion with twice the step. Measured: a rotated stack has other
-    contact points in MuJoCo, which changes its motion 1.2 times as much as doubling the step.
+    It is R S + f d, with the round-off R of many operations (`_many_roundings`) and its growth S.
+    The second term is for the images in REORDERED: d is the largest difference so far between the
+    plain runs at the steps h and 2 h, f the factor `room_of`. It is infinite without a run at 2 h.
+    Measured: a rotated stack has other contact points in MuJoCo, which changes its motion by 1.2 d.
     """
     level = level_for(subject)
     rounding: Array = _many_roundings(subject, image) * growth
@@ -641,13 +657,14 @@ def _looser_tolerance(subject: Subject, image: str) -> float | None:
 def _difference_of_step_choices(
     subject: Subject, runs: Mapping[Variant, CompletedRun], growth: Array, image: str
 ) -> Array:
-    """Difference (T,) due to another choice of step sizes: the error against truth of a run with a
-    looser tolerance.
+    """Difference (T,) due to another choice of step sizes: f e + R S, with the largest error e
+    against truth of a run with a looser tolerance, the factor f = `room_of` for the scatter that
+    kinks cause, and grown round-off R S.
 
-    Where a method chooses its order as well as its step, the error is a step function of the
-    tolerance, so a run and its image may differ by one of these steps; the error at the next looser
-    tolerance is above both, but for the scatter `room_of` that kinks leave. Without truth for the
-    whole motion it is infinite.
+    Where a method chooses its order as well as its step, the error is a piecewise constant function
+    of the tolerance, so a run and its image may have the errors of neighbouring pieces. The error
+    at the next looser tolerance exceeds both. Without truth for the whole motion, or without such a
+    run, the result is infinite.
     """
     unknown = np.full(len(growth), np.inf)
     truth = certified(subject)

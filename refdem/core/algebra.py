@@ -1,4 +1,4 @@
-"""The operations of algebra that an Identity may ask for, with the sizes of their operands and of
+"""The operations of algebra that an Identity may request, with the sizes of their operands and of
 their result: rotations, degrees of freedom, bifurcations, Poincare sections.
 
 Matrices (9) are row by row and map body vectors to space; quaternions (4) are (w, x, y, z); angles

@@ -49,10 +49,10 @@ def mechanical(scene: Scene, run: Trajectory) -> Array:
 
 @once_for_each
 def energy_scale(instance: Instance) -> float:
-    """Energy [J] against which an error of the energy counts: that of the start.
+    """The scale [J] of errors of the energy: the energy at the start.
 
     It is the kinetic energy plus the size of the potential energy; m (L/tau)^2 if both are zero.
-    With gravity, a repelling spring or a drive the start may have no energy although much is
+    With gravity, a repelling spring or a drive the energy at the start may be 0 although much is
     exchanged later, so the scale is at least m (L/tau)^2 / 2 there.
     """
     scene = instance.scene

@@ -21,10 +21,10 @@ from refdem.scene import Scene
 Array = NDArray[np.float64]
 
 SHORTEST = 1e-6
-"""Least duration in units of tau: in a shorter one nothing moves by more than round-off shows."""
+"""Smallest duration in units of tau: in a shorter one the motion is hidden by round-off."""
 LONGEST = 1e12
-"""A duration in units of tau: below, the motion drowns in round-off; above, one rounded parameter
-turns the phase by 1e-4.
+"""Largest duration in units of tau: the rounding of one parameter, u = 1.1e-16, then changes the
+phase by 1e12 u = 1e-4.
 """
 
 NEVER: Mapping[str, str] = {}
@@ -32,14 +32,16 @@ NEVER: Mapping[str, str] = {}
 
 
 def given(**parameters: str) -> Mapping[str, str]:
-    """The parameters as a mapping from name to text, the form in which `chaotic_at` has them."""
+    """The parameters as a mapping from name to text, which is the form of `chaotic_at`."""
     return parameters
 
 
 @contextmanager
 def within_binary64(label: str) -> Iterator[None]:
-    """Raises UsageError where the numbers of a case, each in its bounds, together leave the range
-    of binary64.
+    """Context in which overflow, division by zero and invalid operations raise UsageError.
+
+    These occur if parameters that are each within their bounds together lead to numbers outside the
+    range of binary64.
     """
     try:
         with np.errstate(over="raise", divide="raise", invalid="raise"):
@@ -61,9 +63,8 @@ Moving = Literal[
     "other",
 ]
 """What happens in a case: bodies turn freely or about a joint; hang on rods and strings; move on
-springs or in fields; rub, stick and roll; meet; attract each other; fly without touching anything.
-In a formula nothing moves: identities, tensors and maps. A case that does not say is one of the
-others.
+springs or in fields; rub, stick and roll; collide; attract each other; fly without contact. A
+"formula" has no motion: identities, tensors and maps. "other" is the default.
 """
 
 CLOCK = (
@@ -110,7 +111,7 @@ class Canonical(ABC):
 
     @abstractmethod
     def scales(self, p: Parameters) -> Scales:
-        """Length, shortest time, duration (the default one: `duration` overrules it) and mass."""
+        """Length, shortest time, default duration (which `duration` replaces) and mass."""
 
     def lasting(self, p: Parameters) -> Scales:
         """The scales, with the requested duration."""
@@ -122,8 +123,9 @@ class Canonical(ABC):
 
     @abstractmethod
     def observe(self, p: Parameters, trajectory: Trajectory) -> dict[str, Array]:
-        """Every quantity that the trajectory shows, each (T,); one that it cannot show (no channel)
-        is left out.
+        """Every quantity (T,) that can be computed from the trajectory, by name.
+
+        A quantity whose channel is missing from the trajectory is omitted.
         """
 
     @abstractmethod
@@ -134,14 +136,14 @@ class Canonical(ABC):
         """Raises UsageError for values that are each in bounds but do not go together."""
 
     def meant(self, p: Parameters) -> Mapping[str, Any]:
-        """The exact numbers that the parameters stand for; a witness of the truth starts from them.
+        """The exact values of the parameters, from which a witness of the truth computes.
 
         They are the parameters themselves unless a case derives others from them.
         """
         return p
 
     def written_out(self, p: Parameters) -> Parameters:
-        """The parameters with each number in them that a choice stands for.
+        """The parameters with every named choice replaced by the numbers that it selects.
 
         They are the parameters themselves unless a case has such choices.
         """
@@ -176,7 +178,7 @@ class Canonical(ABC):
 
 
 class Timed(Canonical):
-    """A canonical problem in time: it lasts `duration` and is seen at `samples` intervals."""
+    """A canonical problem in time: it lasts `duration`, divided into `samples` intervals."""
 
     clock = CLOCK
 
@@ -188,8 +190,8 @@ class Timed(Canonical):
     def times(self, p: Parameters) -> Array:
         """Times (T,) [s] of the samples, T = samples + 1, from 0 to about the duration.
 
-        They are whole multiples of one interval, whose mantissa is rounded to 20 bits: its
-        multiples and its halvings, which are the steps, are then exact in binary64.
+        They are whole multiples of one interval, whose mantissa is rounded to 20 bits. Multiples
+        of the interval and its halvings, which are the steps, are then exact in binary64.
         """
         samples = int(p.samples)
         # duration/samples = mantissa 2^exponent, 1/2 <= mantissa < 1.
@@ -199,7 +201,7 @@ class Timed(Canonical):
 
 
 class Case(Timed):
-    """A canonical motion: its scene moves for `duration` and is seen at `samples` intervals."""
+    """A canonical motion: a scene that moves for `duration`, divided into `samples` intervals."""
 
     @abstractmethod
     def scene(self, p: Parameters) -> Scene:
@@ -223,13 +225,11 @@ class EnsembleCase(Timed):
 
     @abstractmethod
     def outline(self, p: Parameters, trajectory: Trajectory) -> tuple[Array, Array]:
-        """Coordinates x and v (T, M) of the outline's points in order; the last one is next to the
-        first.
-        """
+        """Coordinates x and v (T, M) of the points of the closed outline, in order along it."""
 
 
 class IterationCase(Canonical):
-    """A canonical iteration of a map; tau is one iterate, the duration their number."""
+    """A canonical iteration of a map; tau is one iteration, the duration their number."""
 
     @abstractmethod
     def problem(self, p: Parameters) -> Iteration:
@@ -245,7 +245,7 @@ class Instance:
 
     @cached_property
     def label(self) -> str:
-        """`case[name=value name=value]`, only what differs from the defaults."""
+        """`case[name=value name=value]`, with the parameters that differ from their defaults."""
         changed = " ".join(f"{name}={value}" for name, value in self.p.changed().items())
         if changed:
             return f"{self.case.id}[{changed}]"
@@ -295,7 +295,7 @@ class Instance:
 
     @cached_property
     def times(self) -> Array:
-        """Samples (T,): seconds of a motion, numbers of iterates of an iteration."""
+        """Samples (T,): times [s] of a motion, numbers of iterations of a map."""
         return self.problem.times
 
     @cached_property

@@ -28,9 +28,9 @@ class Subject:
     """One method on one instance, with all that a check needs to judge it.
 
     `levels` are the refinement levels, coarse to fine: steps [s], or tolerances. `truth` is None
-    where nothing is certified, `truth_reason` says why. `unsupported(motion)` is the reason why the
-    method cannot run that motion, or None. `derivatives(subject, times)` proves the derivatives of
-    the quantities at times [s]; it raises NotCertifiedError where there are none.
+    if nothing is certified; `truth_reason` is then the reason. `unsupported(motion)` is the reason
+    why the method cannot run that motion, or None. `derivatives(subject, times)` are the certified
+    derivatives of the quantities at times [s]; it raises NotCertifiedError if there are none.
     """
 
     instance: Instance
@@ -58,20 +58,20 @@ class Subject:
         )
 
     def noise(self, level: float) -> float:
-        """Relative error of positions and velocities that a smaller step does not remove.
+        """Relative error of positions and velocities that does not decrease with the step.
 
-        It is the round-off plus the systematic rounding of repeated sums of equal terms: those of
-        the clock and of steady motion.
+        It is round-off plus the systematic rounding of repeated sums of equal terms, in the clock
+        and in steady motion.
         """
         clock = refinement.clock(self.instance, self.method, level)
         flight = refinement.flight(self.instance, self.method, level)
         return self.round_off(level) + (clock + flight)
 
     def resolution(self, level: float) -> float:
-        """`noise`, or the rounding of places far from the origin where that is more.
+        """The larger of `noise` and the rounding of positions far from the origin.
 
-        It is for quantities on the scale of the motion; what has far places on its own scale, as
-        the image of a shifted scene, takes `noise`.
+        It is for quantities in units of the scale of the motion. Where the bound takes the size of
+        the positions into account itself, as for the image of a shifted scene, `noise` is used.
         """
         return refinement.resolution(self.instance, self.method, level)
 
@@ -79,7 +79,8 @@ class Subject:
         """Relative error below which a difference is not significant: max(COUNTING_FLOOR noise,
         resolution).
 
-        The rounding of far places has no factor, since it is the sum of all roundings of a place.
+        The rounding of positions far from the origin has no factor, since it already is a bound on
+        the sum of all roundings of a position.
         """
         return max(refinement.COUNTING_FLOOR * self.noise(level), self.resolution(level))
 
@@ -93,8 +94,8 @@ class Subject:
         return refinement.error_constant(self.instance, self.method)
 
     def unresolved(self, level: float) -> str | None:
-        """The reason why friction that alternates leaves a step unable to resolve anything of the
-        motion, or None.
+        """The reason why, due to friction that alternates in sign from step to step, this step does
+        not resolve the motion, or None.
         """
         if self.method.control != "step" or self.constant == self.method.constant:
             return None
@@ -113,7 +114,7 @@ class Subject:
         return refinement.bound(self.instance, self.method, level, self.truth)
 
     def keeps(self, law: str) -> bool:
-        """True if the method claims that a law holds to round-off in this scene."""
+        """True if the method claims that a conservation law holds to round-off in this scene."""
         features = self.instance.problem.features
         if isinstance(self.instance.problem, Motion) and _may_tumble(self.instance.scene):
             features |= {UNEQUAL_MOMENTS}
@@ -146,11 +147,11 @@ def _may_tumble(scene: Scene) -> bool:
 
 @dataclass(frozen=True, eq=False)
 class CertifiedMatrix:
-    """Certified derivatives of the quantities of a case by its numbers at some times, (value,
-    radius) in `of[time][quantity][number]`.
+    """Certified derivatives of the quantities of a case by its numbers: (value, radius) in
+    `of[time][quantity][number]`.
 
-    `numbers` are all numbers of the case, `p` its parameters as these find them; by those that are
-    not in `of` there is no derivative.
+    `numbers` are all numbers of the case, and `p` the parameters from which they are read. There is
+    no derivative by a number that is missing from `of`.
     """
 
     p: Parameters
@@ -198,14 +199,14 @@ class Check(ABC):
     def further(
         self, subject: Subject, runs: Mapping[Variant, CompletedRun]
     ) -> tuple[Variant, ...]:
-        """The runs that `judge` will read besides, in view of those that are made: none where they
+        """The runs that `judge` will read in addition, given the results so far; none if these
         decide.
 
-        `runs` has those of `needs` and those that earlier calls returned. It is called again until
-        it returns no new ones.
+        `runs` has those of `needs` and those that earlier calls returned. The method is called
+        again until it returns no new ones.
         """
         return ()
 
     @abstractmethod
     def judge(self, subject: Subject, runs: Mapping[Variant, CompletedRun]) -> list[Finding]:
-        """The findings; none where the runs do not write what it judges."""
+        """The findings; none if the runs do not contain the data that the check judges."""

@@ -1,23 +1,24 @@
-"""Codes by name: folders with a refdem.toml, in validation/codes and where REFDEM_CODES says."""
+"""Codes by name: folders with a refdem.toml, in validation/codes and those in REFDEM_CODES."""
 
 import os
 import sys
 from pathlib import Path
 
 VARIABLE = "REFDEM_CODES"
-"""The environment variable with folders of codes, separated as those of PATH are."""
+"""Environment variable that lists folders of codes, separated like those in PATH."""
 DESCRIPTION = "refdem.toml"
 """The file that describes a code."""
 FOLDER = Path("validation") / "codes"
-"""Where a project has its codes, and an installed refdem its copies of their drivers."""
+"""The folder of codes in a project; an installed refdem has copies of their drivers in it."""
 PACKAGE = Path(__file__).resolve().parents[1]
 
 
 def places() -> list[Path]:
-    """The folders whose subfolders are codes, the first to count first.
+    """The existing folders whose subfolders are codes, in decreasing precedence.
 
-    Those of REFDEM_CODES; validation/codes beside the source of refdem; beside the environment that
-    refdem is installed in, where `make field` puts programs; and inside the installed package.
+    These are the folders listed in REFDEM_CODES, then validation/codes beside the source of refdem,
+    beside the environment in which refdem is installed (`make field` puts programs there), and
+    inside the installed package.
     """
     named = [Path(word) for word in os.environ.get(VARIABLE, "").split(os.pathsep) if word]
     roots = [PACKAGE.parent, Path(sys.prefix).parent, PACKAGE]
@@ -27,9 +28,9 @@ def places() -> list[Path]:
 
 
 def descriptions() -> dict[str, Path]:
-    """The refdem.toml of every code, by the name of its folder, sorted.
+    """The path of the refdem.toml of every code, by the name of its folder, sorted by name.
 
-    Of two folders with one name the first place counts, as on PATH.
+    If several places have a folder of the same name, the first place takes precedence, as in PATH.
     """
     found: dict[str, Path] = {}
     for place in places():
@@ -39,13 +40,15 @@ def descriptions() -> dict[str, Path]:
 
 
 def searched() -> str:
-    """The places where codes were looked for, as the end of a sentence."""
+    """The places that were searched for codes, as the end of a sentence."""
     return f"codes were looked for in {', '.join(map(str, places()))}"
 
 
 def advice(description: Path) -> str:
-    """What else to say of a code that is not installed: if its refdem.toml is the copy inside an
-    installed refdem, no program can be beside it, and the project that has one is to be named.
+    """Advice to append to the message that the program of a code is not installed; may be empty.
+
+    If `description`, the path of its refdem.toml, lies inside an installed refdem, no program can
+    be beside it, and the advice is to use a checkout of refdem.
     """
     if not description.is_relative_to(PACKAGE):
         return ""

@@ -12,10 +12,9 @@ from refdem.errors import OutOfRangeError
 
 
 class Deviation(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """Excuses a failing value in [low, high] for these versions ("4.*"); `parameters` is the
-    label's part in brackets.
+    """A failing value that is accepted within [low, high] for these versions ("4.*").
 
-    Names may be patterns with * and ?.
+    `parameters` is the part of the label in brackets. Names may be patterns with * and ?.
     """
 
     case: str
@@ -30,8 +29,8 @@ class Deviation(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields
     link: str = ""
 
     def __post_init__(self) -> None:
-        """Refuses what excuses everything, or nothing; msgspec makes an error with the place of
-        it.
+        """Raises OutOfRangeError for an unbounded or empty range, or an empty name; msgspec turns
+        it into an error with the place in the document.
         """
         if not (isfinite(self.low) and isfinite(self.high) and 0 <= self.low <= self.high):
             raise OutOfRangeError(

@@ -13,34 +13,34 @@ Result = TypeVar("Result")
 
 
 UNEQUAL_MOMENTS = "unequal-moments"
-"""What `broken_with` may name beside the features of a scene: a body with unequal moments of
-inertia that may turn. Such a body's angular momentum depends on its attitude.
+"""A condition that `broken_with` may name in addition to features of a scene: a body with unequal
+moments of inertia may turn. The angular momentum of such a body depends on its attitude.
 """
 
 
 @dataclass(frozen=True, kw_only=True)
 class Method:
-    """One way to run an engine, with its claims; the checks hold it to them.
+    """One way to run an engine, with its claims, which the checks test.
 
     control: a fixed `step`, a `tolerance`, or `exact` (round-off only).
     order, order_with: the order p of the error; `order_with` lowers it for scenes with a feature.
     constant: C in `error <= C (1 + t/tau) (h/tau)^p S`, relative to the scale; for a tolerance C in
-    `error <= C 1e3 tol S`, there for smooth motions.
+    `error <= C 1e3 tol S`, which is claimed for smooth motions only.
     conserves: energy, momentum, angular-momentum, each to round-off.
     broken_with: for a law of `conserves`, the features of a scene with which it holds only to the
     order, and UNEQUAL_MOMENTS.
     symplectic: no secular drift of energy.
     complete_state: a run can be continued from its end state.
-    velocity_time: velocities and omegas hold at their sample, or half a step before it.
-    differenced_velocities: velocities are differences of places over a step, whose roundings they
-    show divided by the step.
+    velocity_time: velocities and omegas are those at the sample, or half a step before it.
+    differenced_velocities: velocities are differences of positions divided by the step, so that
+    they contain roundings of positions divided by the step.
     summed_clock: the time is a plain sum of steps, so that each may add an error of u t.
     locates_events: events have their own times, not that of the end of the step they occur in.
     cuts_steps: steps end at each kink of the force, where a contact begins, sticks, slips or ends.
-    The error is then that of a smooth motion, but for the part of the step that is cut off.
+    The error is then that of a smooth motion, except for the last part of a cut step.
     tells: kinds of events, contact or release, of which the method reports every one, between
-    bodies and at walls; a run without such events is then compared with truth as well.
-    answers: the kind of questions that the method is for.
+    bodies and at walls. If a run then reports no such event, that is compared with truth as well.
+    answers: the kind of problem that the method solves.
     threads: `Request.threads` may be above 1, and any number of threads gives the same bits.
     differentiates: a run comes with the derivatives of its states by numbers of the scene, where
     `Request.sensitivities` names some.
@@ -48,11 +48,11 @@ class Method:
     and omegas of bodies.
     by_name: it runs only if it is requested by name, and so in no campaign of all methods.
     as_shipped: the engine has its own default settings, as for a user who specifies only the scene.
-    It runs if a campaign requests it (`as_shipped = true`), or by its name.
-    knows: for questions without time, the features that it can answer; others are left out.
+    It runs if a campaign requests it (`as_shipped = true`), or if it is requested by name.
+    knows: for problems without time, the features that it can compute; others are omitted.
     derived: numbers that the adapter computes from others in such a way that a law about them
     always holds, each with the reason. A check of that law could not fail, and so does not apply.
-    Known are `attitude` (unit quaternions), `rod` and `ball_joint` (closed joints),
+    The names are `attitude` (unit quaternions), `rod` and `ball_joint` (closed joints), and
     `dissipated_work` (the energy balance).
     """
 
@@ -115,8 +115,8 @@ class Method:
 
 @dataclass(frozen=True)
 class Default:
-    """One line of the audit of defaults: a setting, what the engine comes with, what the adapter
-    sets, and why.
+    """One line of the audit of defaults: a setting, its default in the engine, the value that the
+    adapter uses, and the reason.
     """
 
     setting: str
@@ -126,19 +126,22 @@ class Default:
 
 
 Waiting = Callable[[], float]
-"""Starts a program, waits for it, returns the seconds that it took or raises; safe in any thread.
+"""A function that starts a program, waits for it, and returns the seconds that it took, or raises;
+it may be called in any thread.
 """
 Stages = Generator[Waiting, Waiting, Result]
-"""Work around a program as a generator. It yields each `Waiting`, so that the caller may wait for
-several programs at once; it is sent a function that returns or raises what the waiting did; its
-return value is the result.
+"""The work before and after the runs of programs, as a generator.
+
+It yields a `Waiting` for each run, so that the caller may wait for several programs at once. The
+caller calls it in any thread, and sends back a function that returns or raises what this call
+returned or raised. The return value of the generator is the result.
 """
 
 
 def finished(stages: Stages[Result]) -> Result:
-    """The result of work in stages, each waited for in this thread."""
+    """The result of work in stages, whose programs run in this thread one after the other."""
     try:
-        # Sent back unchanged: the generator calls it itself, and so waits here.
+        # The function is sent back uncalled; the generator calls it, and so waits in this thread.
         waiting = next(stages)
         while True:
             waiting = stages.send(waiting)
@@ -150,7 +153,8 @@ def finished(stages: Stages[Result]) -> Result:
 class Engine(ABC):
     """An adapter to a code under test.
 
-    It gets the question and never the answer; it is imported without importing the engine itself.
+    It is given the problem and never the certified answer. Importing the adapter does not import
+    the engine itself.
     """
 
     name: str
@@ -160,14 +164,16 @@ class Engine(ABC):
     licence: str = ""
     is_reference: bool = False
     default_step: float | None = None
-    """The step [s] that the engine takes where its user names none; None where each must."""
+    """The default step [s] of the engine; None if the user must always set one."""
     time_limit: float | None = None
     budget: float | None = None
     expected: tuple[Deviation, ...] = ()
     may_refuse: frozenset[str] = frozenset()
-    """Limits that the engine's own description sets, in seconds a run and seconds a campaign;
-    deviations it accepts; and images of a scene (shifted, rotated, mirrored ...) that it may
-    refuse when it runs although it runs the scene itself."""
+    """`time_limit` and `budget` are limits from the engine's own description, in seconds for a run
+    and for a campaign. `expected` are the deviations it accepts. `may_refuse` are images of a scene
+    (shifted, rotated, mirrored ...) that it may refuse during the run although it runs the scene
+    itself.
+    """
 
     @property
     def address(self) -> str:
@@ -179,7 +185,7 @@ class Engine(ABC):
 
     @abstractmethod
     def missing(self) -> str | None:
-        """None if the engine can be run here, else what to install."""
+        """None if the engine can be run on this machine, else what to install."""
 
     @abstractmethod
     def version(self) -> str:
@@ -187,7 +193,7 @@ class Engine(ABC):
 
     @abstractmethod
     def fingerprint(self, method: Method) -> str:
-        """A digest of all that can change a run: the engine, its adapter, the kernels it uses."""
+        """A digest of everything that can change a run: engine, adapter, and kernels."""
 
     @abstractmethod
     def unsupported_motion(self, problem: Motion, method: Method) -> str | None:
@@ -208,8 +214,8 @@ class Engine(ABC):
         """Runs one request in the engine's native loop."""
 
     def chosen_methods(self, name: str = "", *, as_shipped: bool = False) -> list[Method]:
-        """The methods of that name; without a name all that do not need one, those as shipped only
-        if requested.
+        """The methods of that name; without a name all methods that are not `by_name`, and the
+        `as_shipped` ones only if requested.
         """
         if name:
             return [method for method in self.methods if method.name == name]

@@ -1,4 +1,4 @@
-"""A question about many starts of one scene at once: an outline, or a cloud, carried through phase
+"""The motion of one scene from many starts at once: an outline, or a cloud, carried through phase
 space.
 """
 
@@ -61,7 +61,7 @@ class Ensemble(Problem):
             )
         if not (np.all(np.isfinite(self.position)) and np.all(np.isfinite(self.velocity))):
             raise UsageError("ensemble: a start is not finite")
-        # A motion refuses the same times.
+        # The constructor of a motion checks the times.
         Motion(self.scene, self.times)
 
     @classmethod
@@ -98,7 +98,7 @@ class Ensemble(Problem):
         )
 
     def perturbed(self, ulps: int) -> "Ensemble":
-        """Every start moved as `Motion.perturbed` moves that of a motion."""
+        """The ensemble with every start moved as by `Motion.perturbed`."""
         # r <- r (1 + eps),   v_k <- v_k (1 -+ eps) in turn, eps = ulps 2^-52.
         eps = ulps * 2.0**-52
         one_start = self.velocity[0]

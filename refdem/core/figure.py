@@ -12,11 +12,11 @@ from refdem.errors import UsageError
 
 Array = NDArray[np.float64]
 GREY = -1
-"""Ink of what is neither data nor a claim; colours count from 0."""
+"""Ink of series that are neither data nor a claim; numbers of colours start at 0."""
 FEWEST_DIGITS = 2
-"""Significant digits of a number of which only the size counts."""
+"""Significant digits of a number of which only the order of magnitude matters."""
 ROUND_OFF = 1e-6
-"""Below this a number is an error, of which only the size counts."""
+"""A smaller number is taken to be an error, of which only the order of magnitude matters."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

@@ -1,4 +1,4 @@
-"""Findings with their reasons, gathered in records, and the other sheets that a report is made of.
+"""Findings with their reasons, collected in records, and the other sheets of a report.
 
 A finding compares one measured value with a bound; its margin is log10(bound/value) decades.
 """
@@ -25,8 +25,9 @@ Outcome = Literal[
     "lost",
     "absent",
 ]
-"""The last three compare: worse than the baseline; decided there, or required by the campaign, and
-no longer decided; there and gone.
+"""The last three are results of a comparison with a baseline, or with the list of a campaign:
+"worse" than the baseline; "lost", which is decided or required there and not decided now; "absent",
+which is there and was not made now.
 """
 WORST_FIRST: tuple[Outcome, ...] = (
     "error",
@@ -40,7 +41,7 @@ WORST_FIRST: tuple[Outcome, ...] = (
     "unsupported",
     "pass",
 )
-"""An error comes first: where a run broke, it is the one sentence that explains what is missing."""
+"""Order of severity. An error is first, since it explains why other findings are missing."""
 FAILING: tuple[Outcome, ...] = ("fail", "worse", "lost", "absent", "stale")
 """Outcomes with which a command exits with status 1; with `error` alone it exits with 3."""
 BROKEN: tuple[Outcome, ...] = (*FAILING, "error")
@@ -48,9 +49,13 @@ DECIDED: tuple[Outcome, ...] = ("pass", "fail", "expected", "stale", "worse")
 
 
 class Level(msgspec.Struct, frozen=True, kw_only=True):
-    """One refinement level: step or tolerance, largest error over the run in units of the
-    quantity's scale, its bound, seconds in the engine's loop, whether it counts for the order, and
-    the steps that the run took (0: not counted, as in records of older versions)."""
+    """One refinement level of a finding.
+
+    `level` is the step [s] or tolerance, `error` the largest error over the run in units of the
+    quantity's scale, `bound` its bound, `seconds` the time in the engine's loop, `counts` whether
+    the level is used for the order, and `steps` the number of steps of the run (0 if not counted,
+    as in records of older versions).
+    """
 
     level: float
     error: float
@@ -61,7 +66,7 @@ class Level(msgspec.Struct, frozen=True, kw_only=True):
 
 
 class Series(msgspec.Struct, frozen=True, kw_only=True):
-    """A curve over time for a plot: t [s], value and bound."""
+    """A curve over time for a plot: t [s], value and bound, of equal lengths."""
 
     t: list[float]
     value: list[float]
@@ -69,12 +74,11 @@ class Series(msgspec.Struct, frozen=True, kw_only=True):
 
 
 class Finding(msgspec.Struct, frozen=True, kw_only=True):
-    """One judgement: a measured value against a bound that has a basis, and one sentence that says
-    why.
+    """One judgement: a measured value, a bound with its basis, and a sentence with the reason.
 
-    `sharpness` is the bound over the signal, where that is least: the signal is how far the
-    quantity moves in this run. It is None where the law holds the quantity to a constant, and in
-    records that older versions wrote.
+    `sharpness` is the smallest ratio of bound to signal over the samples, where the signal is the
+    largest change of the quantity so far in this run. It is None if the law requires the quantity
+    to be constant, and in records of older versions.
     """
 
     check: str
@@ -94,9 +98,10 @@ class Finding(msgspec.Struct, frozen=True, kw_only=True):
 
     @property
     def margin(self) -> float | None:
-        """Decades between value and bound; positive is inside.
+        """log10(bound/value) [decades], positive for a value within its bound.
 
-        None if there is nothing to compare.
+        It is None without a value or bound, infinite for a value of 0, and minus infinity for a
+        value that is not finite or a bound of 0.
         """
         if self.value is None or self.bound is None:
             return None

@@ -49,7 +49,7 @@ def of_module(name: str) -> str:
     """sha256 of the files of the package that an imported module belongs to, or of its own file
     where it is alone.
 
-    A module without a file (typed at a prompt) is known by its name alone.
+    For a module without a file (typed at a prompt) it is the digest of the name alone.
     """
     digest = hashlib.sha256(name.encode())
     outermost = sys.modules[name.partition(".")[0]]
@@ -84,7 +84,9 @@ def of_refdem() -> str:
 
 @cache
 def of_machine() -> str:
-    """sha256 of what the processor can do: bits are only claimed equal on one kind of machine."""
+    """sha256 of the processor's architecture and features: equal bits are claimed only for machines
+    on which these agree.
+    """
     flags = ""
     cpuinfo = Path("/proc/cpuinfo")
     if cpuinfo.exists():

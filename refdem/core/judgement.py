@@ -28,34 +28,38 @@ from refdem.errors import EngineError
 Array = NDArray[np.float64]
 
 PERTURBED = 64
-"""Units in the last place by which a start is moved to show how errors grow."""
+"""Units in the last place by which a start is perturbed to measure the growth of errors."""
 SMALL = 0.25
 """Errors above this part of the scale have no order: the run then follows another motion."""
 MORE = 8.0
-"""Only one direction of perturbation is tried: perturbations in other directions may grow by this
-factor more.
-"""
+"""Safety factor on the measured growth, since only one direction of perturbation is tried."""
 MOST_POINTS = 256
 """Number of points of a curve in a record: the largest value of each of as many equal parts."""
 
 
 PLACE = ("position", "attitude")
 MOTION = ("velocity", "omega")
-"""The columns of a trajectory that say where bodies are, and how they move."""
+"""The columns of a trajectory for the configuration (PLACE) and the velocities (MOTION)."""
 ATTITUDE = tuple(f"attitude.{axis}" for axis in "wxyz")
 """The quantities that are compared together as one rotation."""
 PREDICTION_FACTOR = 4.0
-"""Factor by which an error may exceed what its order predicts from another step. A pair of steps
-shows an error to within a few per cent where it falls with order p; with PREDICTION_FACTOR a motion
-passes whose last pair shows an order as low as 0.3, 0.8 and 2.2 for p = 1, 2, 4.
+"""Factor by which an error may exceed the prediction e(h) = e(h_0) (h/h_0)^p from another step h_0.
+Where the error falls with order p, the prediction is right to a few per cent. With this factor a
+motion passes whose last pair of levels has an order as low as 0.3, 0.8 and 2.2 for p = 1, 2, 4.
 """
 CANCELLED_DEFICIT = 7 / 8
-"""Largest deficit of a pair of levels from whose errors the order predicts those at the finest
-level. Two terms a h^p (1 - r) with r = b h/a that cancel at the coarsest of three levels, so that
-it predicts less than 1/PREDICTION_FACTOR of the finest error, leave a deficit of
-log2((1 - r)/(1 - 2r)) <= log2(12/7) = 0.78 at the finer pair; further terms may add to it (0.79
-measured of the predictor-corrector of Adams after 1.86). Terms of the order below leave a deficit
-of 1, and more than 1 where it falls from pair to pair.
+"""Largest deficit (claimed less observed order) of a pair of levels whose errors are used to
+predict the error at the finest level.
+
+Let the errors at the steps 4 h, 2 h, h be a h^p (1 - r) with r = b h/a at the finest step, and let
+the terms cancel at the coarsest one, so that it predicts less than 1/PREDICTION_FACTOR of the
+finest error: |1 - 4r| < (1 - r)/4, so r < 5/17. The deficit of the finer pair is then
+
+    log2((1 - r)/(1 - 2r)) < log2(12/7) = 0.78.
+
+Further terms may add to it: 0.79 was measured for the Adams predictor-corrector, after 1.86 at the
+pair before. Terms of order p - 1 cause a deficit of 1, and more than 1 where it falls from pair to
+pair.
 """
 KINK_PREDICTION_FACTOR = 64.0
 """PREDICTION_FACTOR where kinks scatter the error: two steps whose errors are alike to 1/64 by
@@ -63,23 +67,23 @@ chance, and alike to 1/64 of 2^p to those of the step before, are one in ten tho
 is an octave.
 """
 CUT_PREDICTION_FACTOR = 16.0
-"""The same of a method that cuts its steps at kinks: there only the length of the last part of a
-cut step is random.
+"""PREDICTION_FACTOR for a method that cuts its steps at kinks: only the length of the last part of
+a cut step is then random.
 """
 INTEGRATED = "the error of integrating the power between samples"
 """The basis of a bound where the error of the compared work is that of its integration."""
 MAX_BOUND_TO_SIGNAL = 0.1
-"""Largest ratio of bound to signal with which a passed check counts: within a larger bound a body
-that never moves would pass.
+"""Largest ratio of bound to signal at which a passed check counts. With a bound as large as the
+signal, a body that never moves would pass.
 """
 
 
 @dataclass(frozen=True)
 class Sight:
-    """A bound and the signal beside it, in the same unit: how far the judged quantity moves.
+    """A bound and, in the same unit, the signal: how far the judged quantity moves in the run.
 
-    A signal of 0 is that of a law which holds the quantity to a constant; such a law always
-    decides.
+    A signal of 0 stands for a law that requires the quantity to be constant; a check of such a law
+    is never undecided for a large bound.
     """
 
     bound: float
@@ -94,14 +98,14 @@ class Sight:
 
     @property
     def movement(self) -> str:
-        """The signal as a sentence has it; the smallest of all stands for what cannot be seen."""
+        """The signal in words; the smallest positive double stands for no visible movement."""
         if self.signal <= np.finfo(float).tiny:
             return "no more than round-off"
         return f"{self.signal:.2g}"
 
     @property
     def is_blind(self) -> bool:
-        """The bound is above a tenth of the signal."""
+        """True if the bound exceeds a tenth of the signal, and the signal is not 0."""
         return self.bound > MAX_BOUND_TO_SIGNAL * self.signal > 0
 
 
@@ -134,10 +138,9 @@ def judged(
 ) -> Finding:
     """The finding for `value <= bound`; a value that is not a number fails.
 
-    `what` names the measured value and is the subject of the sentence; `statement` replaces the
-    whole comparison where the value reads better in other words. Where the bound is above a tenth
-    of the signal, a value within it is undecided, and `remedy` says what would decide it; one above
-    it fails all the same.
+    `what` names the measured value and is the subject of the sentence; `statement`, if given,
+    replaces the whole comparison. Where the bound exceeds a tenth of the signal, a value within the
+    bound is undecided, and `remedy` states what would decide it; a value above it fails.
     """
     holds = bool(value <= bound)
     blind = sight is not None and sight.is_blind
@@ -188,8 +191,7 @@ def _compared(value: float, bound: float, unit: str) -> str:
 def observed_order(coarse: float, fine: float) -> float:
     """The order log2(e(h)/e(h/2)) of two errors, the fine one above 0.
 
-    It is minus infinity where the coarse error is 0, as of a code that takes the same steps for
-    both.
+    It is minus infinity where the coarse error is 0.
     """
     if coarse == 0:
         return -np.inf
@@ -201,8 +203,8 @@ def order_statement(
 ) -> str:
     """The comparison of an observed order with the claimed one, as a sentence without its stop.
 
-    `deficit` is what decides: claimed less observed order, or its limit for small steps. `detail`
-    states from what the order was observed.
+    `deficit` is the compared value: claimed less observed order, or its limit for small steps.
+    `detail` describes the data from which the order was observed.
     """
     observed = f"Observed order {seen:.2f} ({detail})"
     if not deficit <= tolerance:
@@ -230,12 +232,12 @@ def worst(
 ) -> Finding:
     """The finding at the sample where value / bound is largest, with the whole curve.
 
-    `values` (T,) at times `t` (T,) are held to `allowed`, a number or (T,). `signal`, a number or
-    (T,), is how far the quantity has moved; see `Sight`.
+    `values` (T,) at times `t` (T,) [s] are compared with `allowed`, a number or (T,). `signal`, a
+    number or (T,), is how far the quantity has moved (see `Sight`).
     """
     bounds = np.broadcast_to(np.asarray(allowed, float), values.shape)
     with np.errstate(divide="ignore", invalid="ignore"):
-        # 0 is within every bound, also within one of 0; what is not a number exceeds every bound.
+        # A value of 0 is within every bound, also a bound of 0; NaN exceeds every bound.
         ratio = np.where(values > 0, values / bounds, 0.0)
         ratio = np.where(np.isnan(values), np.inf, ratio)
     point = int(np.argmax(ratio))
@@ -304,8 +306,8 @@ def errors(
 def _with_truth(
     instance: Instance, trajectory: Trajectory, truth: SampledTruth, delay: float
 ) -> list[tuple[dict[str, Array], SampledTruth]]:
-    """What is observed, each part with the truth of its time: that of the samples, and for
-    velocities that lag by `delay` [s] that of as much earlier.
+    """The observed quantities in parts, each with the truth for its times: that of the samples, and
+    for quantities of velocities that lag by `delay` [s] that of `delay` earlier.
     """
     observed = instance.observe(trajectory)
     if not delay:
@@ -338,8 +340,8 @@ def _altered_quantities(
     columns: tuple[str, str],
     bodies: Sequence[int] | None = None,
 ) -> set[str]:
-    """Names of the quantities that come out differently where these columns are changed, of these
-    bodies, or of all; they depend on those columns.
+    """Names of the quantities that depend on these columns of these bodies (None for all): those
+    whose observed values change if the columns are changed.
     """
     count = trajectory.position.shape[1]
     is_changed = np.isin(np.arange(count), range(count) if bodies is None else bodies)
@@ -363,7 +365,7 @@ def _altered_quantities(
 def _errors(
     instance: Instance, observed: dict[str, Array], truth: SampledTruth
 ) -> dict[str, Array]:
-    """`errors` of what was observed, all of it at the samples of this truth."""
+    """The `errors` of observed quantities that all belong to the samples of this truth."""
     until = truth.until
     scaled: dict[str, Array] = {}
     for name, values in observed.items():
@@ -394,10 +396,9 @@ def moves(truth: SampledTruth) -> bool:
 def difference(values: Array, reference: Array, *, is_angle: bool) -> Array:
     """values - reference, each (T,); for angles the representative in [-pi, pi].
 
-    Sine and cosine of an angle of many turns are known to a rounding, its remainder to one of the
-    whole angle:
-
-        tan(a - b) = (sin a cos b - cos a sin b)/(cos a cos b + sin a sin b).
+    The difference of two angles of many turns is computed from their sines and cosines, which are
+    correct to a rounding of 1; the remainder of a - b modulo 2 pi has the rounding of the whole
+    angle.
     """
     if not is_angle:
         straight: Array = values - reference
@@ -425,11 +426,11 @@ def _rotation_error(observed: dict[str, Array], truth: SampledTruth) -> Array:
 
 
 def movements(instance: Instance, truth: SampledTruth) -> dict[str, Array]:
-    """Distance |truth(t) - truth(0)| (until,) of every quantity, in units of its scale: the signal
-    beside `errors`.
+    """The signal for `errors`: the distance |truth(t) - truth(0)| (until,) of every quantity, in
+    units of its scale.
 
     Angles are compared modulo 2 pi, the components of an attitude together as the angle of one
-    rotation [rad]. The answer to a question without time does not move: its signal is its size.
+    rotation [rad]. For a problem without time the signal is the size |truth|.
     """
     signals: dict[str, Array] = {}
     for name, quantity in instance.quantities.items():
@@ -466,10 +467,10 @@ def _samples_within(error: Array, limit: float) -> int:
 def followed(
     subject: Subject, level: float, run: Trajectory, truth: SampledTruth, within: float = HORIZON
 ) -> int:
-    """Number of samples before the run's error first exceeds `within`, a part of the scale.
+    """Number of samples before the run's error first exceeds `within`, relative to the scales.
 
-    From there on the run follows another motion, to which the error growth S along the true motion
-    does not apply.
+    From that sample on the run follows another motion, to which the error growth S along the true
+    motion does not apply.
     """
     return _samples_within(_largest_error(subject, level, run, truth), within)
 
@@ -477,7 +478,7 @@ def followed(
 def _largest_error(subject: Subject, level: float, run: Trajectory, truth: SampledTruth) -> Array:
     """The largest error of any quantity at each sample (until,), in units of the scales."""
     scaled = errors(subject.instance, run, truth, subject.method.delay(level))
-    # The zeros stand in where no quantity can be compared.
+    # max over quantities of the error; 0 if no quantity can be compared.
     largest: Array = np.maximum.reduce([np.zeros(truth.until), *scaled.values()])
     return largest
 
@@ -508,8 +509,8 @@ def signed(
     """Signed differences (rows, count) from truth, in units of their scales; angles modulo 2 pi.
 
     There is one row a quantity. An attitude has three: the vector [rad] of the small rotation from
-    the true attitude to the observed one, in body axes. Where velocities lag by `delay` [s], they
-    are compared as by `errors`; where nothing is known of that time, the difference is 0.
+    the true attitude to the observed one, in body axes. Velocities that lag by `delay` [s] are
+    compared as in `errors`; where the truth of the earlier time is not known, the difference is 0.
     """
     rows: list[Array] = []
     for observed, at_its_time in _with_truth(subject.instance, run, truth, delay):
@@ -520,7 +521,7 @@ def signed(
 def _signed(
     subject: Subject, observed: dict[str, Array], truth: SampledTruth, count: int
 ) -> list[Array]:
-    """`signed` of what was observed, all of it at the samples of this truth."""
+    """The rows of `signed` for observed quantities that all belong to the samples of this truth."""
     rows = []
     for name, values in observed.items():
         quantity = subject.instance.quantities[name]
@@ -536,10 +537,10 @@ def _signed(
 
 
 def rounding_of_truth(subject: Subject, truth: SampledTruth, count: int) -> float:
-    """Largest radius of the first `count` certified values, in scales.
+    """Largest radius of the first `count` certified values, in units of the scales.
 
-    A value is printed as a double. An angle of many turns is rounded by more there than in a run,
-    which has the angle modulo 2 pi.
+    Certified values are rounded to doubles, which adds to their radius. An angle of many turns is
+    rounded by more than the angle modulo 2 pi of a run.
     """
     largest = 0.0
     for name, quantity in subject.instance.quantities.items():
@@ -554,9 +555,8 @@ def rounding_of_truth(subject: Subject, truth: SampledTruth, count: int) -> floa
 def _small_rotations(observed: dict[str, Array], truth: SampledTruth, count: int) -> Array:
     """Rotation vectors (3, count) [rad] from the true attitude q to the observed attitude p.
 
-    q* p = (cos(a/2), n sin(a/2)) for the rotation by a about n, so that the vector a n is 2 vec(q*
-    p) to first order in a. Of p and -p, the same attitude, the one with a positive real part is the
-    nearer.
+    q* p = (cos(a/2), n sin(a/2)) for the rotation by a about n, so that a n = 2 vec(q* p) to first
+    order in a. p and -p are the same attitude; the sign with a positive real part of q* p is used.
     """
     from refdem.mechanics.quaternion import product
 
@@ -571,13 +571,15 @@ def _small_rotations(observed: dict[str, Array], truth: SampledTruth, count: int
 
 
 def left_at_finest(subject: Subject, *changes: Array) -> float:
-    """Largest error at the finest level that the order predicts from the errors (T,) at the levels,
-    coarse to fine, or at the coarsest alone; infinite if it predicts nothing.
+    """Bound on the error at the finest level h, extrapolated with the claimed order p from the
+    largest errors e_k at the levels h_k; infinite where there is no such bound.
 
-    An error C h^p falls by 2^-p with every halving of the step; the prediction is PREDICTION_FACTOR
-    times that, because terms of higher order still count. It starts from the coarsest level, and
-    from a later one too where terms cancel before it (`_cancels_before`). It predicts nothing where
-    kinks scatter C from step to step. Round-off, which does not fall, is the caller's to add.
+        PREDICTION_FACTOR max over k of e_k (h/h_k)^p
+
+    `changes` are the errors (T,) at the levels, coarse to fine, or at the coarsest level alone. The
+    maximum is over the coarsest level, and over finer levels before which terms of the error cancel
+    (`_cancels_before`). The factor allows for terms of higher order. There is no bound where kinks
+    scatter the error constant from step to step. Round-off is not included.
     """
     largest = [float(np.max(change)) for change in changes]
     if (
@@ -612,14 +614,18 @@ def _cancels_before(largest: Sequence[float], k: int, order: float) -> bool:
 def distances(instance: Instance, a: Trajectory, b: Trajectory) -> Array:
     """Largest difference (T,) between two runs of any state of any body, each in its scale.
 
-    The scales are L for positions, L/tau for velocities, the largest omega of `b` for omegas (at
-    least 1/tau where nothing spins at the start, and what an impulse gives where bodies touch), and
-    the angle by which that omega turns a body in tau, or 1 rad, for the angle between attitudes.
-    Without a scene it is the largest difference of any quantity.
+    The scales are L for positions, V = L/tau for velocities, W for angular velocities, and
+    max(1, W tau) [rad] for the angle between attitudes. W is the largest of
 
-    An impact may make a small sphere spin much faster than at the start. In free flight tau is the
-    time scale of the centres of mass: a rounding u omega of the angular velocity changes the
-    attitude by u omega t, and a rounding u tau of the time of an impact by u omega tau.
+    - the largest initial angular velocity, or 1/tau if no body spins at the start;
+    - the largest angular velocity in `b`, since an impact may make a small sphere spin much faster
+      than at the start;
+    - m V R/J where bodies touch (`_spin_of_an_impulse`).
+
+    The angle scale exceeds 1 since tau is the time scale of the centres of mass: a rounding u W of
+    the angular velocity changes the attitude by u W t, and a rounding u tau of the time of an
+    impact changes it by u W tau. Without a scene the result is the largest difference of any
+    quantity.
     """
     if not isinstance(instance.problem, Motion):
         of_a = instance.observe(a)
@@ -657,8 +663,8 @@ def _spin_of_an_impulse(instance: Instance) -> float:
     """The largest spin [rad/s] that an impulse m V at the lever R gives a sphere, m V R/J; 0 where
     nothing touches.
 
-    The impulse of a contact passes through the centre but for its rounding: of a fast sphere that
-    hardly spins, the spin is known to u m V R/J.
+    The normal impulse of a contact has no moment about the centre but for its rounding. The spin of
+    a fast sphere that hardly spins is therefore correct to u m V R/J only.
     """
     scene = instance.scene
     bodies = scene.bodies
@@ -671,18 +677,21 @@ def _spin_of_an_impulse(instance: Instance) -> float:
 
 
 def perturbation(method: Method) -> int:
-    """Units in the last place, those of a double, by which a start is moved to show error growth.
+    """Units in the last place of a double by which a start is perturbed to measure error growth:
+    PERTURBED 2^53 u.
 
-    u of the method's precision is 2^53 u such units: 1 for double precision, 2^29 for single.
+    A unit of the method's precision is 2^53 u of a double: 1 for double precision, 2^29 for single.
     """
     return PERTURBED * round(method.round_off * 2.0**53)
 
 
 def growth_shown(instance: Instance, method: Method, moved: Trajectory, base: Trajectory) -> Array:
-    """Growth factor (T,) of an error made at the start, which stands in for S without truth.
+    """Growth factor (T,) of an error made at the start, which replaces S where there is no truth:
 
-    It is MORE |moved - base| / (relative perturbation of the start), at least 1, its largest value
-    so far. `moved` is the run whose start was moved by `perturbation`, `base` the plain run.
+        max over s <= t of max(1, MORE |moved(s) - base(s)|/eps).
+
+    `moved` is the run whose start was perturbed by eps = `perturbation` 2^-52, `base` the plain
+    run.
     """
     # MORE |moved - base|/eps, with eps = perturbation 2^-52.
     perturbed_by = perturbation(method) * 2.0**-52
@@ -692,7 +701,7 @@ def growth_shown(instance: Instance, method: Method, moved: Trajectory, base: Tr
 
 
 def curve(t: Array, value: Array, bound: Array | float) -> Series:
-    """A curve of at most MOST_POINTS points that keeps the largest value of each stretch."""
+    """The curve of the values, or of the largest value of each of MOST_POINTS equal parts."""
     bound = np.broadcast_to(np.asarray(bound, float), value.shape)
     kept = np.arange(len(value))
     if len(value) > MOST_POINTS:

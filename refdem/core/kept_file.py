@@ -1,8 +1,8 @@
-"""A file in the user's cache folder: what takes long to make, and is the same wherever the same
-versions are installed.
+"""Files in the user's cache folder, for content that takes long to compute and depends on its name
+only.
 
-The first line seals name and content: a file that is damaged is made again. Where nothing can be
-kept, it is made each time.
+The first line of a file is a digest of name and content. A file whose digest does not match is
+computed again. If the folder cannot be written, the content is computed at every call.
 """
 
 import hashlib
@@ -14,8 +14,9 @@ from refdem.core.store import cache_folder
 
 
 def kept_file(name: str, made: Callable[[], bytes]) -> bytes:
-    """The content kept under a name, or that of `made()`, which is then kept. The name must contain
-    all that decides the content.
+    """The content of the cached file `name`, or `made()`, which is then written to the cache.
+
+    `name` must contain everything on which the content depends, such as versions.
     """
     path = cache_folder() / name
     with suppress(OSError):
@@ -26,11 +27,11 @@ def kept_file(name: str, made: Callable[[], bytes]) -> bytes:
     with suppress(OSError):
         path.parent.mkdir(parents=True, exist_ok=True)
         sweep(path.parent.glob(".*"))
-        # Another process finds the whole file or none.
+        # The file is replaced atomically, so that other processes never read part of it.
         replace(path, _seal(name, content) + b"\n" + content)
     return content
 
 
 def _seal(name: str, content: bytes) -> bytes:
-    """A digest of name and content, as text."""
+    """The hexadecimal BLAKE2b digest of name and content."""
     return hashlib.blake2b(name.encode() + b"\0" + content, digest_size=16).hexdigest().encode()

@@ -16,8 +16,8 @@ class ParameterLine(msgspec.Struct, frozen=True, kw_only=True):
 
 
 class QuantityLine(msgspec.Struct, frozen=True, kw_only=True):
-    """One quantity: its unit, and the size against which an error counts at the defaults; a scalar
-    has a certified value and radius.
+    """One quantity: its unit, and the scale of its errors at the default parameters; a scalar has a
+    certified value and radius.
     """
 
     name: str
@@ -28,7 +28,7 @@ class QuantityLine(msgspec.Struct, frozen=True, kw_only=True):
 
 
 class CheckLine(msgspec.Struct, frozen=True, kw_only=True):
-    """One check that applies to the case at its defaults: what it judges and kills."""
+    """One check that applies to the case at its defaults: its title and the faults it detects."""
 
     name: str
     title: str
@@ -53,8 +53,8 @@ class TruthLine(msgspec.Struct, frozen=True, kw_only=True):
 
 
 class Slip(msgspec.Struct, frozen=True, kw_only=True):
-    """A slip of the source: where, what it says, what holds, and the numbers (what, value) that
-    settle it.
+    """An error of the source: the place, the statement there, the correct statement, and numbers
+    (name, value) that decide between them.
     """
 
     where: str

@@ -1,15 +1,15 @@
-"""What each number of a case moves, as a report and a page of the manual show it."""
+"""The effect of each number of a case on its quantities, for a report and a page of the manual."""
 
 import msgspec
 
 
 class MovedLine(msgspec.Struct, frozen=True, kw_only=True):
-    """What one number of a case moves: the quantity that it moves most, in units of its scale.
+    """The effect of one number p of a case on the quantity q that it changes most, in units of the
+    scale s of q.
 
-    `slope` is the derivative of this quantity by the number; a number larger by a small part a
-    moves it by `share` times a of its scale (None for a number that is 0). No quantity is named
-    where none depends on the number. `has_derivative` is False where motions are of another kind
-    on either side of the number.
+    `slope` is dq/dp, and `share` is p dq/dp / s: a relative change a of p changes q by `share` a s
+    (None if p is 0). `quantity` is empty if none depends on the number. `has_derivative` is False
+    if the motions below and above the number are of different kinds.
     """
 
     number: str
@@ -23,9 +23,9 @@ class MovedLine(msgspec.Struct, frozen=True, kw_only=True):
 
 
 class Moved(msgspec.Struct, frozen=True, kw_only=True, tag="moved", tag_field="type"):
-    """What each number of an instance moves at the time `at` [s]: a sheet of a report.
+    """The effects of all numbers of an instance at the time `at` [s]: a sheet of a report.
 
-    `command` prints all derivatives; `reason` says why there are no lines, if there are none.
+    `command` is the command that prints all derivatives; `reason` states why `numbers` is empty.
     """
 
     label: str

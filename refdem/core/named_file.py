@@ -1,4 +1,4 @@
-"""Writing a file that a person named: by an option, or as the baseline of a gate."""
+"""Writing a file whose name the user gave: by an option, or as the baseline of a gate."""
 
 import errno
 import os
@@ -10,16 +10,16 @@ from contextlib import suppress
 from pathlib import Path
 
 REPLACED_BY_NOBODY = {errno.EACCES, errno.EPERM, errno.EBUSY, errno.EROFS}
-"""Errors of a file that can be written, in a folder where no other can be made, or that is mounted
-by itself, as containers do.
+"""Errors on replacing a file that can be written but not replaced: no file can be created in its
+folder, or the file itself is a mount point, as in containers.
 """
 
 
 def put(path: Path, data: bytes) -> None:
-    """Puts `data` at `path`, as a whole or not at all where that can be done; raises OSError.
+    """Writes `data` to `path`, atomically where the file can be replaced; raises OSError.
 
-    A path that is no plain file is written to and not replaced: /dev/null, a pipe to another
-    program, a link to standard output.
+    A path that is no plain file, such as /dev/null, a pipe or a link to standard output, is written
+    to and not replaced.
     """
     if is_replaceable(path):
         try:
@@ -42,7 +42,7 @@ def is_replaceable(path: Path) -> bool:
 
 
 def refuse_full(path: Path) -> None:
-    """Raises OSError if nothing can be written to what has this name; no file is changed.
+    """Raises OSError if the file or device of this name cannot be written; changes no file.
 
     A pipe is not opened: that would wait for its reader, or end it.
     """
@@ -50,31 +50,31 @@ def refuse_full(path: Path) -> None:
     if stat.S_ISFIFO(kind):
         return
     with path.open("ab", buffering=0) as file:
-        # Only writing shows that a device takes nothing, as /dev/full does.
+        # A full device, such as /dev/full, is detected only by writing to it.
         if stat.S_ISCHR(kind) and not os.isatty(file.fileno()):
             file.write(b"\n")
 
 
 def replace(path: Path, data: bytes) -> None:
-    """Writes a file beside `path` and gives it that name; raises OSError.
+    """Writes a temporary file beside `path` and renames it to `path`; raises OSError.
 
-    A link or a pipe that had this name is gone then; nothing is written where it led.
+    A link or a pipe of that name is replaced; its target is not written to.
     """
-    # Of several processes that write the same file each has one of its own. Its name is short, also
-    # where that of the file is as long as the system takes.
+    # Each process has a temporary file of its own. The name of that file does not contain the name
+    # of `path`, which may have the largest length that the system permits.
     beside = path.with_name(f"{_beginning()}{os.getpid()}-{secrets.token_hex(4)}")
     try:
         beside.write_bytes(data)
         beside.replace(path)
     finally:
-        # Also where the writing was interrupted.
+        # This also removes the temporary file if writing was interrupted.
         with suppress(OSError):
             beside.unlink(missing_ok=True)
 
 
 def sweep(files: Iterable[Path]) -> None:
-    """Takes away those of the files that `replace` was writing in processes of this machine which
-    were killed.
+    """Deletes those of the files that are temporary files of `replace` in processes of this machine
+    that have ended.
     """
     beginning = _beginning()
     for file in files:
@@ -87,21 +87,21 @@ def sweep(files: Iterable[Path]) -> None:
 
 
 def is_gone(process: str) -> bool:
-    """True if no process of this machine has that number, as it stands in the name of a file; False
-    for what is no number.
-    """
+    """True if `process` is the number of no process of this machine; False if it is no number."""
     try:
         os.kill(int(process), 0)
     except ProcessLookupError:
         return True
     except (OSError, ValueError, OverflowError):
-        # It is another user's, or the name is not one of ours.
+        # The process belongs to another user, or `process` is no number.
         return False
     return False
 
 
 def _beginning() -> str:
-    """How the names of files begin that are being written on this machine: another one, which
-    shares the folder, has processes that are not seen here.
+    """The first part of the names of temporary files of this machine.
+
+    It contains the name of the machine, since process numbers of another machine that shares the
+    folder cannot be checked here.
     """
     return f".refdem-{platform.node()}-"

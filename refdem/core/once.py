@@ -1,5 +1,6 @@
-"""What many ask of one object, an instance of a case or the contents of a report, found once for
-each object.
+"""A cache for functions of one object: the result is computed once for each object.
+
+Examples of such objects are an instance of a case and the contents of a report.
 """
 
 from collections.abc import Callable
@@ -12,14 +13,15 @@ Found = TypeVar("Found")
 
 
 def once_for_each(find: Callable[[Owner], Found]) -> Callable[[Owner], Found]:
-    """The same function, which finds its answer once for each object and forgets it with the
-    object; objects are distinguished by their identity.
+    """The function `find` with a cache, whose entries are removed together with their objects.
+
+    Objects must be hashable and weakly referenceable; those meant here compare by identity.
     """
     known: WeakKeyDictionary[Owner, Found] = WeakKeyDictionary()
 
     @wraps(find)
     def known_answer(owner: Owner) -> Found:
-        """The answer, from `known` where it is there."""
+        """The result for `owner`, from the cache if it is there."""
         if owner not in known:
             known[owner] = find(owner)
         return known[owner]

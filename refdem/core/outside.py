@@ -1,8 +1,8 @@
-"""Text from outside (a program's output, a file, a name) made safe to show.
+"""Text from outside (a program's output, a file, a name) made safe to display.
 
-Such text may not move a cursor, begin a line of its own, or be read as a command by a service that
-reads logs: it becomes one printable line. Before it goes into HTML, CSV or Markdown it is escaped
-once more for that format.
+Such text must not move a cursor, begin a line of its own, or act as a command in a service that
+reads logs, so it is reduced to one printable line. Text in HTML, CSV or Markdown is in addition
+escaped for that format.
 """
 
 import os
@@ -27,8 +27,9 @@ def _printable_character(character: str, allowed: str = "") -> str:
 def one_line(text: str, most: int = MOST) -> str:
     """The text as one printable line of at most `most` characters.
 
-    Lines are joined by " / ", other characters that do not print become "?". A GitHub workflow's
-    log takes `##[` anywhere, and `::` at the start of a line, for a command: a blank breaks these.
+    Lines are joined by " / ", other characters that do not print become "?". The log of a GitHub
+    workflow interprets `##[` anywhere, and `::` at the start of a line, as a command; a blank is
+    inserted in these.
     """
     lines = [line.strip() for line in text.splitlines()]
     joined = " / ".join(line for line in lines if line)
@@ -42,7 +43,7 @@ def one_line(text: str, most: int = MOST) -> str:
 
 
 def printable(text: str) -> str:
-    """The text with "?" for characters that do not print; lines stay lines."""
+    """The text with "?" for characters that do not print; line breaks are not changed."""
     if text.isprintable():
         return text
     return "".join(_printable_character(character, allowed="\n\t") for character in text)

@@ -29,7 +29,7 @@ class Parameter:
 
     `default` is text ("3/2", "1,2,3"; "" where the case computes one). A parameter is a number, an
     array of numbers of the given `shape`, or one of the words `choices`; numbers lie within the
-    bounds `above` (exclusive), `at_least` and `at_most`, and are whole where `whole` says so.
+    bounds `above` (exclusive), `at_least` and `at_most`, and are integers if `whole` is True.
     """
 
     name: str
@@ -44,7 +44,7 @@ class Parameter:
     whole: bool = False
 
     def bounds(self) -> str:
-        """The bounds as a person reads them."""
+        """The bounds as text, such as "> 0 and <= 4"."""
         if self.choices:
             return " | ".join(self.choices)
         bounds = []
@@ -155,7 +155,7 @@ class Parameters(Mapping[str, Exact]):
         return exact
 
     def replaced(self, exact: Mapping[str, Exact]) -> "Parameters":
-        """The same parameters with other exact values of some, which no bound is held against."""
+        """The same parameters with other exact values of some; bounds are not checked."""
         other = copy(self)
         other._exact = self._exact | dict(exact)
         return other

@@ -46,20 +46,20 @@ __all__ = [
 
 Array = NDArray[np.float64]
 CLOCK_ROUNDINGS = 8
-"""Roundings of a time start + count * step in single precision: three numbers, a product and a sum,
-and some to spare.
+"""Roundings allowed for a time start + count * step in single precision: five (three numbers, a
+product and a sum), and three more.
 """
 UNEVEN = 1e-3
-"""Part of a step by which a sample may lie off a whole number of steps: its time is rounded."""
+"""Largest deviation of a sample from a whole number of steps, in steps: its time is rounded."""
 WHOLE = 1e-9
 """Relative error of the quotient of sample interval and step, both rounded."""
 MISCOUNTED = 0.01
-"""Part of a step: a clock that is off by whole steps to within this has miscounted them."""
+"""Tolerance, in steps, within which the error of a clock counts as a whole number of steps."""
 FORMAT = 1
 """The version of the format of a request; a request of another version is refused."""
 FEW = 100
-"""Bodies that are listed one by one in what goes to another process, at most: columns of numbers
-are read and written faster than JSON.
+"""Largest number of bodies that are written as JSON to another process. More are written as columns
+of numbers, which is faster.
 """
 COUNT = "count `stride` steps from each sample to the next and never compare times"
 """Advice to a program whose steps miss the samples."""
@@ -76,11 +76,13 @@ OTHERS: dict[type, Callable[[Any], Problem]] = {
     IdentityDocument: Identity,
     EnsembleDocument: Ensemble.read,
 }
-"""The function that reads each document of a question other than a motion."""
+"""The function that makes the problem from a document, by the type of the document; motions have a
+document of their own.
+"""
 
 
 class RequestDocument(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """A request as `request.json` has it."""
+    """The content of `request.json` for a motion."""
 
     format: int = FORMAT
     method: str
@@ -151,7 +153,9 @@ class OtherRequestDocument(msgspec.Struct, frozen=True, kw_only=True, forbid_unk
 
 
 class _Kind(msgspec.Struct):
-    """Tells the two kinds of request documents apart: `problem` is not in that of a motion."""
+    """The field that distinguishes the two kinds of request documents: that of a motion has no
+    `problem`.
+    """
 
     problem: msgspec.Raw = msgspec.Raw()
 
@@ -226,13 +230,13 @@ class Request:
         return request
 
     def to_json(self) -> bytes:
-        """The request as `request.json` has it; the same bytes for the same request."""
+        """The content of `request.json`; equal requests give the same bytes."""
         return encoded(self.document())
 
     @property
     def bodies_file(self) -> bytes | None:
-        """The file `bodies.npz` that goes with the JSON of a motion of too many bodies to be listed
-        there.
+        """The content of `bodies.npz`, for a motion with too many bodies to be listed in the JSON;
+        else None.
         """
         has_one = isinstance(self.problem, Motion) and self.problem.scene.has_bodies_file
         if has_one:
@@ -240,8 +244,8 @@ class Request:
         return None
 
     def packed(self) -> bytes:
-        """The request for another process: its JSON; of more than FEW bodies, JSON and their
-        file.
+        """The request for another process: its JSON, or for more than FEW bodies the MessagePack of
+        JSON and `bodies.npz`.
         """
         text = encoded(self.document(FEW))
         if not isinstance(self.problem, Motion) or len(self.problem.scene.bodies) <= FEW:
@@ -286,9 +290,8 @@ class Request:
 
     @property
     def _told_stride(self) -> int | None:
-        """Steps from sample to sample as the document has them.
-
-        None for a method without a step.
+        """The `stride` of the document: steps from each sample to the next, None for a method
+        without a step.
         """
         if self.step is None:
             return None
@@ -300,8 +303,8 @@ class Request:
         even = times[0] + np.arange(len(times)) * self.problem.interval
         deviation = np.abs(times - even)
         worst = int(np.argmax(deviation))
-        # Each time carries its own rounding, and the n-th multiple of the first interval n times
-        # that of the first two.
+        # Each time t_n is rounded once, and t_0 + n (t_1 - t_0) contains n times the roundings of
+        # t_0 and t_1:  |t_n - t_0 - n (t_1 - t_0)| <= 4 u T max|t| + UNEVEN h,  T samples.
         rounding = 4 * 2.0**-53 * len(times) * float(np.max(np.abs(times)))
         if deviation[worst] > UNEVEN * (self.step or 0.0) + rounding:
             raise UsageError(
@@ -310,8 +313,8 @@ class Request:
             )
 
     def document(self, most_listed: int = MOST_LISTED) -> RequestDocument | OtherRequestDocument:
-        """The request as JSON has it; more bodies of a motion than `most_listed` are referred
-        to.
+        """The document of the request; if a motion has more bodies than `most_listed`, it refers to
+        `bodies.npz` instead of listing them.
         """
         if not isinstance(self.problem, Motion):
             control = {
@@ -340,8 +343,8 @@ class Request:
         )
 
     def key(self, *fingerprints: str) -> str:
-        """sha256 of the request, of which repetition it is, and of the fingerprints of engine and
-        kernels.
+        """The sha256 of the request, the number of its repetition, and the fingerprints of engine
+        and kernels.
         """
         digest = hashlib.sha256(encoded(self.document(FEW)))
         for part in (str(self.repeat), *fingerprints):
@@ -383,8 +386,8 @@ class Request:
     def miscounted(self, lag: float) -> str:
         """The end of a sentence about a run whose clock is ahead by `lag` [s] of the sample.
 
-        It says how many steps too many or too few the program took if that is a whole number of
-        them, and is empty otherwise.
+        It states how many steps too many or too few the program took, if `lag` is a whole number of
+        steps to within MISCOUNTED, and is empty otherwise.
         """
         if self.step is None:
             return ""

@@ -1,6 +1,6 @@
-"""The kinds of questions: `Motion` of a scene and `Iteration` of a map.
+"""The kinds of problems: `Motion` of a scene and `Iteration` of a map.
 
-Those about many starts are in core/ensemble.py, those without time in core/static_problems.py.
+Problems with many starts are in core/ensemble.py, those without time in core/static_problems.py.
 """
 
 from abc import ABC, abstractmethod
@@ -19,23 +19,23 @@ from refdem.scene.element import Link
 Array = NDArray[np.float64]
 
 LATEST = 1e250
-"""Seconds: sums of as many times as there can be stay inside binary64."""
+"""Largest time [s]: sums of any number of samples are then within the range of binary64."""
 FIT = 1e-10
-"""A tenth of the relative error that the length of a rod or string may have at the start."""
+"""A tenth of the largest relative error of the length of a rod or string at the start."""
 DENSE = 128
-"""An iteration is sampled at every iterate up to this one: errors of a chaotic map grow from
-round-off to the size of the map within it.
+"""Every iterate up to this one is a sample: errors of a chaotic map grow from round-off to the size
+of the map within so many iterates.
 """
 PER_OCTAVE = 8
 """Samples in each octave of iterates after DENSE, and one at the last iterate."""
 
 
 class Problem(ABC):
-    """One question to an engine.
+    """One problem for an engine to solve.
 
-    `times` (T,) are the samples: seconds of a motion, numbers of iterates of an iteration, mere
-    numbers otherwise. `scene` exists for motions and ensembles only. A new kind of question is a
-    subclass with a document of its own in problem.OTHERS.
+    `times` (T,) are the samples: times [s] of a motion, numbers of iterates of an iteration,
+    numbers without a unit otherwise. Only motions and ensembles have a `scene`. A new kind of
+    problem is a subclass with a document of its own in problem.OTHERS.
     """
 
     kind: ClassVar[str]
@@ -60,7 +60,7 @@ class Problem(ABC):
 
     @abstractmethod
     def document(self) -> Any:
-        """The content as JSON has it, without times."""
+        """The content in the form that is written to JSON, without times."""
 
     @abstractmethod
     def perturbed(self, ulps: int) -> Self:
@@ -108,10 +108,10 @@ class Motion(Problem):
     def perturbed(self, ulps: int) -> "Motion":
         """The motion whose start is moved by a relative eps = ulps 2^-52.
 
-        Positions and omegas are multiplied by 1 + eps, components of velocities alternately by 1 -
-        eps and 1 + eps: the same factor for all would be the same motion on another scale wherever
-        forces are linear, and would show no growth at all. A large change would no longer satisfy
-        constraints, so there the bodies are rotated about the world's anchor instead.
+        Positions and omegas are multiplied by 1 + eps, components of velocities alternately by
+        1 - eps and 1 + eps. With one factor for all, a system with linear forces would have the
+        same motion on another scale, and errors would not grow. If eps is too large for constraints
+        to hold, the bodies are rotated about an anchor in the world instead.
         """
         bodies = self.scene.bodies
         eps = ulps * 2.0**-52
@@ -130,8 +130,8 @@ class Motion(Problem):
     def _rotated(self, angle: float) -> "Motion":
         """Positions and velocities of the bodies rotated about z by a small angle [rad].
 
-        The axis goes through the first anchor of a link in the world, or the origin; rods between
-        bodies and one to that anchor keep their lengths.
+        The axis passes through the first anchor of a link in the world, or through the origin. This
+        does not change the lengths of rods between bodies, or from a body to that anchor.
         """
         anchors = [link.anchor_b for link in self.scene.all(Link) if link.b < 0]
         # r <- p + Rz (r - p),   v <- Rz v.
@@ -168,8 +168,8 @@ class IterationDocument(
 
 @dataclass(frozen=True, eq=False)
 class Iteration(Problem):
-    """A map, its start (D,), and how many times it is applied; the iterates `times` (T,), integers
-    from 0 to n, are requested.
+    """A map, its start (D,), and the number n of its applications; the iterates with the numbers
+    `times` (T,), integers from 0 to n, are requested.
     """
 
     kind: ClassVar[str] = "iteration"
@@ -215,7 +215,7 @@ class Iteration(Problem):
     def perturbed(self, ulps: int) -> "Iteration":
         """The numbers of the start multiplied alternately by 1 + eps and 1 - eps, eps = ulps 2^-52.
 
-        The same factor for all would keep the direction of a vector.
+        One factor for all would not change the direction of a vector.
         """
         signs = np.where(np.arange(len(self.start)) % 2, -1.0, 1.0)
         start = self.start * (1 + signs * ulps * 2.0**-52)

@@ -1,4 +1,4 @@
-"""Reads TOML and JSON that people and programs wrote into typed structs.
+"""Functions that read TOML and JSON files of users and programs into typed structs.
 
 Every fault becomes a UsageError of one sentence with its place: a name that no file can have, a
 folder, bytes that are no text, brackets nested too deeply, a field that does not fit.
@@ -29,7 +29,7 @@ NO_WORD = re.compile(r"Invalid enum value '(.*)' - at `.*\.(\w+)[^.]*`")
 def content(path: Path, expected: str) -> bytes:
     """The bytes of a file; raises UsageError that ends with `expected`, what the file should be.
 
-    A path that is no file is not waited for: a pipe without a writer has no end.
+    A pipe or device is refused at once: reading a pipe without a writer would never end.
     """
     try:
         with open(path, "rb", opener=_unwaiting) as file:
@@ -47,7 +47,7 @@ def content(path: Path, expected: str) -> bytes:
 
 
 def _unwaiting(path: str, flags: int) -> int:
-    """Opens a file without waiting for whoever writes to a pipe."""
+    """Opens a file without blocking, as a pipe without a writer would."""
     return os.open(path, flags | os.O_NONBLOCK)
 
 
@@ -83,8 +83,9 @@ def json_as(kind: type[T], data: bytes, where: str) -> T:
 
 
 def said(error: Exception, kind: Any) -> str:
-    """An error of reading a `kind` as one line, with the nearest known name of an unknown field,
-    or word of an unknown one.
+    """The message, on one line, of an error of decoding a `kind`.
+
+    For an unknown field or word it suggests the most similar known one.
     """
     if isinstance(error, RecursionError):
         return "brackets within brackets, too deep to be read"

@@ -1,15 +1,15 @@
 """Bounds and refinement: how large an error may be at a step, and which steps to take.
 
 Every bound is relative: an error in units of a quantity's scale. With step h, order p, shortest
-time tau, duration T, unit round-off u, number of steps n, and S(t), by which the motion itself
-makes an earlier error grow,
+time tau, duration T, unit round-off u, number of steps n, and the factor S(t) by which the motion
+amplifies an earlier error,
 
     truncation  = C (1 + t/tau) (h/tau)^p
     round-off   = c u max(1, sqrt(n), T/tau)
     bound       = (truncation + round-off + clock + flight) S(t)
 
-`clock` and `flight` are the roundings that add up in proportion to n, not to its root. `level` is
-the step h [s], or the tolerance of a method that chooses its own steps.
+`clock` and `flight` are roundings whose sum is proportional to n and not to sqrt(n). `level` is the
+step h [s], or the tolerance of a method that chooses its own steps.
 """
 
 import math
@@ -40,24 +40,24 @@ three sigma are allowed.
 HORIZON = 0.1
 """A run is scored up to the first time at which its bound exceeds this part of the scale."""
 ORDER_LEVELS = 3
-"""Levels that an order needs: two pairs, which must agree."""
+"""Number of levels needed to observe an order: two pairs of levels, which must agree."""
 COUNTING_FLOOR = 20.0
 """A level is used for the order as long as its bound is at least this many times round-off."""
 IMPACT_STEPS = 2.0**15
 """Steps that the finest level of a motion with impacts takes at most."""
 SHARP = 8.0
-"""Factor below the horizon at which the coarsest level of a motion with impacts ends: the finest of
-four, eight times finer, is then allowed 1/640 of what an impact changes at first order.
+"""The coarsest level of a motion with impacts is refined until its bound is at most HORIZON/SHARP.
+With four levels and first order, the bound of the finest one is then HORIZON/64 = 1/640.
 """
 TURN_ROUNDINGS = 3.0
-"""Roundings by which the turns of a step stretch a vector: five of them, of half a rounding each,
-all of one sign.
+"""Roundings by which the rotations of a step change the length of a vector: five rotations, half a
+rounding each, all of one sign.
 
 Measured: 0.8 a step for a sphere that spins about a tilted axis, turned in single precision about
 its three axes in five turns.
 """
 PLACE_ADDITIONS = 2.0
-"""Additions to a place in a step: a leapfrog drifts twice, others add once."""
+"""Additions to a position in a step: leapfrog has two drifts, other methods add once."""
 MOST_STEPS = 1e10
 """Largest number of steps that is accepted: no engine makes more of them within a day."""
 CLOCK_STEPS = 4.0
@@ -67,20 +67,20 @@ the phase by a fraction of a radian a step.
 SCATTER = 1.0
 """Standard deviation, in octaves, of the error constant of a motion with kinks from step to step.
 
-What a step that holds a kink adds is h^p times a polynomial in the place of the kink within the
-step, which is as good as random. Measured: 0.9 for velocity Verlet across a field with two edges,
-18 steps.
+The error of a step that contains a kink is h^p times a polynomial in the fraction of the step at
+which the kink lies, and this fraction is practically random. Measured: 0.9 for velocity Verlet
+across a field with two edges, 18 steps.
 """
 KINK_HALVINGS = 2
 """Halvings of the finest step for the order of a motion with kinks: a mean over five octaves
 distinguishes orders that single pairs do not.
 """
 MEMORY = 4
-"""Number of earlier steps that a multistep method uses. At the start they have to be made by
+"""Number of earlier steps that a multistep method uses. The first steps of a run are made by
 another rule.
 """
 UNRESOLVED = 0.5
-"""Relative truncation error of a single tau from which a step resolves nothing of the motion."""
+"""Relative truncation error at the start from which a step does not resolve the motion."""
 TOLERANCE_FACTOR = 1e3
 """A tolerance is local: its error may add up to this many times itself (design: 1e3 tol S)."""
 
@@ -88,10 +88,11 @@ TOLERANCE_FACTOR = 1e3
 def round_off(instance: Instance, method: Method, steps: float) -> float:
     """Relative round-off after `steps` steps: c u sqrt(n), and not less than c u T/tau.
 
-    The second part is the rounding of the parameters themselves: a frequency that is off by u is
-    off in phase by u t. Of slender bodies that spin c is larger (`of_directions`), of spheres of
-    little inertia that touch (`of_touching_spins`), and of rods that hardly fix what they hold
-    (`of_rods`). Of velocities that are differences of places it is `of_differences` times as large.
+    The second part is the rounding of the parameters themselves: a relative error u of a frequency
+    is an error u t of the phase. c is larger for slender bodies that spin (`of_directions`), for
+    spheres of little inertia in contact (`of_touching_spins`), and for rods in a nearly singular
+    configuration (`of_rods`). For velocities that are differences of positions the round-off is
+    multiplied by `of_differences`.
     """
     # c u max(1, sqrt(n), T/tau).
     phase = instance.scales.duration / instance.scales.tau
@@ -106,11 +107,11 @@ def round_off(instance: Instance, method: Method, steps: float) -> float:
 
 
 def of_differences(instance: Instance, method: Method, steps: float) -> float:
-    """Factor >= 1 by which a difference of places over a step h rounds a velocity more than another
-    method does.
+    """Factor >= 1 by which round-off is larger if velocities are differences of positions divided
+    by the step h.
 
-    A place r is rounded by u |r|, or by u L where that is more, and the difference of two of them
-    over h by u |r|/h, which is (tau/h) max(1, |r|/L) times u L/tau.
+    A position r is rounded by u max(|r|, L), so the quotient is rounded by u max(|r|, L)/h, which
+    is (tau/h) max(1, |r|/L) times u L/tau.
     """
     far = max(1.0, farthest_place(instance) / instance.scales.length)
     # max(1, (tau/h) max(1, |r|/L)).
@@ -118,9 +119,11 @@ def of_differences(instance: Instance, method: Method, steps: float) -> float:
 
 
 def steps_of_differences(instance: Instance, method: Method, steps: float) -> float:
-    """Steps h in a tau of a method whose velocities are differences of places over h; 0 of others.
+    """The ratio tau/h for a method whose velocities are differences of positions divided by the
+    step h; 0 for other methods.
 
-    Such a velocity, in units of L/tau, is rounded tau/h times as much as the places in units of L.
+    The rounding of such a velocity in units of L/tau is tau/h times that of a position in units of
+    L.
     """
     if not method.differenced_velocities or method.control != "step":
         return 0.0
@@ -140,11 +143,11 @@ def farthest_place(instance: Instance) -> float:
 
 @once_for_each
 def of_directions(instance: Instance) -> float:
-    """Roundings of a spin that one rounding of an attitude makes: |L|/(I_min omega), the largest of
-    any body; 0 where nothing spins at the start.
+    """Relative error of a spin per unit error of the attitude: |L|/(I_min |omega|), the largest of
+    any body; 0 if no body spins at the start.
 
-    A method may carry the angular momentum L, which is constant in space. An attitude that is off
-    by u then has it off by u |L| in the axes of the body, and omega = I^-1 L by u |L|/I_min.
+    Methods may integrate the angular momentum L in space axes. An error u of the attitude is then
+    an error u |L| of its components in body axes, and u |L|/I_min of omega = I^-1 L.
     """
     problem = instance.problem
     if not isinstance(problem, Motion):
@@ -162,11 +165,11 @@ def of_directions(instance: Instance) -> float:
 
 @once_for_each
 def of_touching_spins(instance: Instance) -> float:
-    """Roundings of a spin that one rounding of a velocity makes where spheres touch: m R^2/J,
-    the largest of any body; 0 without contacts.
+    """Relative error of a spin per rounding of a velocity where spheres touch: m R^2/J, the largest
+    of any body; 0 without contacts.
 
-    A tangential impulse m u v, one rounding of a velocity v, which a smooth contact leaves too,
-    changes the spin by m u v R/J.
+    One rounding of a velocity v is a tangential impulse m u v, also in a contact without friction.
+    It changes the spin by m u v R/J, and R omega by m R^2/J times u v.
     """
     problem = instance.problem
     if not isinstance(problem, Motion):
@@ -183,11 +186,11 @@ def of_touching_spins(instance: Instance) -> float:
 
 @once_for_each
 def of_rods(instance: Instance) -> float:
-    """Roundings of a place that one rounding of the length of each rod makes; 0 without rods.
+    """Relative error of a position per rounding of the length of every rod; 0 without rods.
 
-    Lengths that are off by s leave the bodies off by M^-1 G^T (G M^-1 G^T)^-1 s, G the directions
-    of the rods. Of rods that lie nearly in a plane, as those of a flat cluster, that is many times
-    s, across the plane.
+    Errors s of the lengths displace the bodies by M^-1 G^T (G M^-1 G^T)^-1 s, where G has the
+    directions of the rods. If all rods lie nearly in one plane, this is many times s, normal to
+    the plane.
     """
     problem = instance.problem
     if not isinstance(problem, Motion):
@@ -201,8 +204,8 @@ def of_rods(instance: Instance) -> float:
 
 
 def moved_by_lengths(scene: Scene) -> Array:
-    """The places M^-1 G^T (G M^-1 G^T)^-1 (3 bodies, rods) by which a scene moves where the
-    lengths of its rods are off by one; accelerations, for second derivatives of the lengths.
+    """The matrix M^-1 G^T (G M^-1 G^T)^-1 (3 bodies, rods): displacements of the bodies per unit
+    error of the length of each rod, or accelerations per unit second derivative of the lengths.
     """
     weights = 1.0 / np.sqrt(np.repeat(scene.bodies.mass, 3))
     # With A = G M^-1/2 the matrix is M^-1/2 A^+.
@@ -215,8 +218,8 @@ def start_acceleration(instance: Instance) -> float:
     """Largest acceleration [m/s^2] of a body: that at the start of bodies on rods, under their
     weight; L/tau^2 of others.
 
-    Scales of rods of very unequal masses or lengths are those of the fastest motion that the
-    energy allows, and the start may be far from it.
+    The scales of a scene with rods of very unequal masses or lengths are those of the fastest
+    motion that the energy permits, which may be much faster than the motion at the start.
     """
     problem = instance.problem
     scales = instance.scales
@@ -265,13 +268,14 @@ def of_alternating_friction(instance: Instance) -> float:
     """Factor >= 1 by which friction without a tangential spring outgrows the errors of a step: mu,
     or mu m R^2/J of a sphere of little inertia.
 
-    The direction of such friction is the sign of the slip. Where the slip is 0 but for the step,
-    friction alternates, and a step of it changes
+    The direction of such friction is the sign of the slip. Where the exact slip is 0, friction
+    alternates in sign from step to step, and in one step it changes
 
         the velocity by   mu F_n h/m,
         the spin by       mu F_n h R/J,
 
-    mu and mu m R^2/J times what a step of the normal force F_n changes a velocity, and R omega, by.
+    The first is mu times the change F_n h/m of a velocity in a step by the normal force F_n. The
+    second, as R omega, is mu m R^2/J times this change.
     """
     problem = instance.problem
     if not isinstance(problem, Motion):
@@ -291,20 +295,21 @@ def error_constant(instance: Instance, method: Method) -> float:
 
 
 def of_far_places(instance: Instance, method: Method, level: float) -> float:
-    """Relative round-off of places that are far from the origin compared with the scale L of their
-    motion, or with the length of a rod whose angle follows from them. Examples are a large ball
-    that bounces by a little, and a short rod at the end of a long one.
+    """Relative round-off of positions that are far from the origin compared with the scale L of the
+    motion, or with the length of a rod whose angle is computed from them. Examples are a large ball
+    with small bounces, and a short rod at the end of a long one.
 
-    An addition to a place r rounds it by up to u |r|, however small the term. Without steps the
+    An addition to a position r rounds it by up to u |r|, however small the term. Without steps the
     error is that of one number, c u |r|/L. A step makes PLACE_ADDITIONS additions. After n steps
 
         uniform roundings add up, at three sigma, to   3 sqrt(PLACE_ADDITIONS n/3) u |r|/L,
         roundings of equal terms add up to             n u |r|/L, as in `flight`,
         those of nearly equal terms to                 PLACE_ADDITIONS n min(1, 1/k) u |r|/L.
 
-    A term h v changes by h a T in a run of duration T with the acceleration a: by k spacings 2 u
-    |r| of the numbers near r. Until it has changed by one it is rounded the same way at every step.
-    And velocities that are differences of places are rounded by tau/h times as much.
+    In a run of duration T with the acceleration a, the term h v changes by h a T = k 2 u |r|, that
+    is by k spacings of the doubles near r. While it changes by less than one spacing, it is rounded
+    in the same way at every step. For velocities that are differences of positions the result is
+    multiplied by tau/h.
     """
     problem = instance.problem
     if not isinstance(problem, Motion):
@@ -331,13 +336,13 @@ def of_far_places(instance: Instance, method: Method, level: float) -> float:
 def sweeping(instance: Instance, method: Method) -> float:
     """Factor >= 1 by which round-off grows where rods share bodies.
 
-    A constraint solver sweeps over the rods again and again, and each sweep halves the residual: it
-    needs log2(1/u) sweeps to reach round-off. In every sweep a body is given the impulses of its
-    rods, 2 rods/bodies on average, each rounded. So the roundings of a step are
+    An iterative constraint solver sweeps over the rods repeatedly. If each sweep halves the
+    residual, it needs log2(1/u) sweeps to reach round-off. In every sweep the impulses of its rods
+    are added to a body, 2 rods/bodies on average, each with a rounding. The roundings of a step are
 
         log2(1/u) 2 rods/bodies   in place of the 10 that ROUND_OFF_FACTOR counts,
 
-    and errors of random sign grow as the root of that ratio.
+    and errors of random sign grow as the square root of this ratio.
     """
     scene = instance.scene
     rods = len(scene.all(Rod))
@@ -367,10 +372,10 @@ def flight(instance: Instance, method: Method, level: float) -> float:
 
 
 def _adds_equal_terms(scene: Scene) -> bool:
-    """True if there are long stretches in which every step adds the same amount; see `flight`.
+    """True if over long parts of a run every step adds the same amount; see `flight`.
 
-    So it is if all forces are constant or act only for a while, and with a weight also where a
-    force grows until it balances it: the body then falls with the same speed at every step.
+    This holds if all forces are constant or act only for a time. With gravity it holds also for
+    forces that grow until they balance it: the body then falls at constant speed.
     """
     falls = bool(scene.all(UniformGravity))
     steady = (element.pauses or (falls and element.resists) for element in scene.elements)
@@ -393,10 +398,10 @@ def turning(instance: Instance, method: Method, level: float) -> float:
 def clock(instance: Instance, method: Method, level: float) -> float:
     """Relative error that a summed clock causes: u T/tau for each addition; 0 if none is summed.
 
-    A time that is off by u t shifts the phase t/tau of the motion by u t/tau, and n additions do so
-    n times. A method that chooses its steps makes one addition a sample and CLOCK_STEPS in each
-    tau. A method of fixed steps takes the right number of them whatever its clock reads, so the
-    clock matters only where a drive reads it.
+    An error u t of the time is an error u t/tau of the phase t/tau of the motion, and n additions
+    add n such errors. A method that chooses its steps makes one addition for each sample and
+    CLOCK_STEPS in each tau. A method with fixed steps makes the right number of steps whatever its
+    clock shows, so the clock matters only if a drive depends on it.
     """
     phase = instance.scales.duration / instance.scales.tau
     if not method.summed_clock:
@@ -427,8 +432,8 @@ def smoothness(instance: Instance, method: Method) -> Singularity | None:
 
     Left out are those for which the method's claim stands as it is:
     - all of them, if the method locates events, for it may start a step on each;
-    - those of an element that `order_with` names, for the claim was made with it in view;
-    - jumps: an order above 1 that is claimed for them means that steps are cut at the jump.
+    - those of an element that `order_with` names, since the claim takes them into account;
+    - jumps: a claimed order above 1 implies that steps are cut at the jump.
     """
     if (
         method.control != "step"
@@ -487,8 +492,8 @@ def kinked(instance: Instance, method: Method) -> bool:
 def order_levels(
     instance: Instance, method: Method, levels: tuple[float, ...]
 ) -> tuple[float, ...]:
-    """The levels from which an order is read: with kinks, KINK_HALVINGS halvings of the finest as
-    well.
+    """The levels from which an order is observed: with kinks also KINK_HALVINGS halvings of the
+    finest one.
     """
     if not levels or not kinked(instance, method):
         return tuple(levels)
@@ -497,7 +502,7 @@ def order_levels(
 
 
 def steps_at(instance: Instance, method: Method, level: float) -> float:
-    """Steps taken over the whole duration; one a sample for exact methods and tolerances."""
+    """Number of steps of a run, T/h; for exact methods and tolerances the number of samples."""
     if method.control == "step":
         return float(instance.times[-1] / level)
     return float(len(instance.times))
@@ -508,7 +513,7 @@ def bound(instance: Instance, method: Method, level: float, truth: SampledTruth)
 
     bound = (truncation + round-off + clock + flight) max S, the largest S up to the sample.
 
-    Far places replace round-off and flight where they are rounded by more.
+    The rounding of positions far from the origin replaces round-off + flight if it is larger.
     """
     t = instance.times[: truth.until]
     # (truncation + resolution) max S.
@@ -587,16 +592,16 @@ def past_impacts(
     truth: SampledTruth,
     most_steps: float,
 ) -> tuple[float, ...]:
-    """The levels, halved alike until the motion after its impacts can be judged too.
+    """The levels, all halved equally often, until the motion after its impacts can be judged too.
 
-    An impact that truth certifies multiplies errors by S, which `levels` does not include. For a
+    A certified impact multiplies errors by S, which `levels` does not take into account. For a
     method that detects impacts at the end of a step, the coarsest level is halved until its bound
     at the end of the certified motion is small enough,
 
         (C (1 + T/tau) (h/tau)^p + resolution) S <= HORIZON/SHARP,
 
-    or until a further halving would make the finest level take more than IMPACT_STEPS steps.
-    Methods with velocities that lag keep their levels, since truth was sampled at their delays.
+    or until a further halving would make the finest level take more than IMPACT_STEPS steps. The
+    levels of methods whose velocities lag are not changed, since truth was sampled at their delays.
     """
     has_impacts = truth.scalars.keys() & {"impact_time", "impact_1"}
     is_late = (
@@ -644,7 +649,8 @@ def _first_step(
     target = step or scales.tau * (HORIZON * scales.tau / (method.constant * scales.duration)) ** (
         1.0 / power
     )
-    # The 1e-9 keeps a target that is a halving itself, but for its rounding.
+    # halvings = ceil(log2(interval/target)). The 1e-9 allows for the rounding of a target that is
+    # itself a halving of the interval.
     halvings = max(0, int(np.ceil(np.log2(interval / target) - 1e-9)))
     if step is None:
         most_halvings = int(np.log2(most_steps * interval / instance.times[-1]))

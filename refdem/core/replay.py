@@ -1,4 +1,4 @@
-"""A replay: what a page shows of a motion, frame by frame, of truth and of one run a method.
+"""A replay: the frames of a motion that a page shows, for truth and for one run of each method.
 
 Numbers are rounded to the resolution of a screen, 16 bits of the largest one of a grid. A run is
 stored as its difference from truth, so that small errors have as many digits as large ones.
@@ -20,7 +20,8 @@ STEPS = 32767
 class Grid(msgspec.Struct, frozen=True, kw_only=True):
     """Numbers (F, C) as multiples of scale/32767, 16 bits each in base64, little end first.
 
-    Only `columns` that hold something else than 0 are there, each as (F,) after the other.
+    Only columns with a number other than 0 are stored, one after the other; `columns` are their
+    indices.
     """
 
     scale: float
@@ -103,11 +104,11 @@ class Track(msgspec.Struct, frozen=True, kw_only=True):
 class Replay(msgspec.Struct, frozen=True, kw_only=True, tag="replay", tag_field="type"):
     """The replay of an instance: F frames of N bodies of truth, and a track for each method.
 
-    `place` (F, 3 N) [m] and `turn` (F, 4 N) are what truth's places and attitudes (w, x, y, z)
-    differ by from those at the start. The coordinates that a case compares, named in `certified`,
-    are those of truth; others are those of the reference's method `anchor`, all of whose compared
-    quantities differ from truth by at most `anchor_error` of their scales. `view` has the rows
-    right, up and towards the reader.
+    `place` (F, 3 N) [m] and `turn` (F, 4 N) are the differences of the true positions and attitudes
+    (w, x, y, z) from those at the start. Coordinates that a case compares, listed in `certified`,
+    are those of truth. The others are those of the reference's method `anchor`, whose compared
+    quantities all differ from truth by at most `anchor_error` of their scales. The rows of `view`
+    are the unit vectors right, up and towards the reader.
     """
 
     label: str

@@ -1,4 +1,4 @@
-"""The lines of a request with comments, for people: what each of its parts means.
+"""The lines of a request with comments that explain each of its parts.
 
 The comments are the descriptions in the JSON Schema.
 """
@@ -44,7 +44,7 @@ def _first_of(key: str, meanings: dict[str, str]) -> str:
 
 
 def _meanings(request: Request) -> Iterator[tuple[str, str]]:
-    """Keys of the request and what stands there."""
+    """Pairs of a key of the request and its meaning."""
     if not isinstance(request.problem, Motion):
         yield "problem", request.problem.words
         return

@@ -1,14 +1,15 @@
-"""Resolution: which misreading of each number of a scene a verdict would have noticed."""
+"""Resolution: the smallest misreading of each number of a scene that a check would detect."""
 
 import msgspec
 
 
 class Seen(msgspec.Struct, frozen=True, kw_only=True, omit_defaults=True):
-    """What is noticed of one number: the smallest relative misreading that some finding fails, and
-    which does; None and the reason if nothing is noticed.
+    """The resolution for one number: the `smallest` relative misreading with which some finding
+    fails, and `by`, the check and quantity that does; None and the `reason` if none is detected.
 
-    `computed` is what certified derivatives foresee of it, by the finding `computed_by`, which has
-    the reason where nothing is foreseen; both are empty where nothing was computed.
+    `computed` is the prediction of `smallest` from certified derivatives, and `computed_by` its
+    check and quantity, or the reason why there is no prediction; both are empty if none was
+    computed.
     """
 
     number: str
@@ -20,7 +21,7 @@ class Seen(msgspec.Struct, frozen=True, kw_only=True, omit_defaults=True):
 
     @property
     def size(self) -> str:
-        """The smallest misreading that is noticed, rounded to two digits, or `nothing`."""
+        """The smallest misreading that is detected, rounded to two digits, or `nothing`."""
         return size_of(self.smallest)
 
 
@@ -34,7 +35,7 @@ def size_of(smallest: float | None) -> str:
 
 
 class Resolution(msgspec.Struct, frozen=True, kw_only=True, tag="resolution", tag_field="type"):
-    """What one method on one case would notice of each number of the scene: a sheet of a report."""
+    """The resolution of one method on one case for each number of the scene: a report sheet."""
 
     label: str
     engine: str
@@ -43,8 +44,8 @@ class Resolution(msgspec.Struct, frozen=True, kw_only=True, tag="resolution", ta
 
     @property
     def sentence(self) -> str:
-        """What would have been noticed, the most finely seen first, and what would not, with its
-        reason; empty for a scene without numbers.
+        """The misreadings that would be detected, smallest first, and the numbers of which none
+        would be, each with the reason; empty for a scene without numbers.
         """
         noticed = [seen for seen in self.numbers if seen.smallest is not None]
         noticed.sort(key=lambda seen: seen.smallest or 0.0)

@@ -1,4 +1,4 @@
-"""A run: one request to one engine, and the trajectory or the failure that came of it."""
+"""A run: one request to one engine, and the resulting trajectory or failure."""
 
 from dataclasses import dataclass
 
@@ -9,9 +9,10 @@ from refdem.core.trajectory import Cost, Trajectory
 
 
 class Failure(msgspec.Struct, frozen=True, kw_only=True):
-    """Why there is no trajectory: crash, hang, contract or refusal, and one sentence.
+    """The reason why a run has no trajectory: its kind (such as crash, hang, contract) and one
+    sentence.
 
-    A run that was not begun, because another one had failed before it, is no cause of its own.
+    `is_begun` is False for a run that was not started because another one had failed.
     """
 
     kind: str
@@ -21,7 +22,7 @@ class Failure(msgspec.Struct, frozen=True, kw_only=True):
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Run:
-    """A request with its outcome: exactly one of trajectory and failure is there."""
+    """A request with its outcome: a trajectory, unless it is stored elsewhere, or a failure."""
 
     key: str
     request: Request

@@ -44,7 +44,7 @@ ROUNDINGS = 8.0 * 2.0**-53
 of a number that is observed, four of them.
 """
 BEST_STEP = 2.0 ** (-53 / 3)
-"""u^(1/3), the part of a number by which central differences move it for the least error."""
+"""u^(1/3), the relative displacement at which a central difference of order 2 is most accurate."""
 
 
 class CaseNumber(Protocol):
@@ -80,7 +80,7 @@ def _leaves(key: str, value: Any) -> list[tuple[str, float]]:
 
 
 def slope(value_at: Callable[[int], Any]) -> Any:
-    """The derivative by k of a function of whole numbers k = -3 ... 3, at 0, by WEIGHTS."""
+    """The derivative at k = 0 of a function of k = -3 ... 3, by the central difference WEIGHTS."""
     # f' = (45 (f_1 - f_-1) - 9 (f_2 - f_-2) + (f_3 - f_-3))/60.
     total: Any = 0.0
     for k, weight in WEIGHTS.items():
@@ -89,8 +89,10 @@ def slope(value_at: Callable[[int], Any]) -> Any:
 
 
 def scene_rates(instance: Instance, p: Parameters, number: CaseNumber) -> dict[str, float] | None:
-    """The derivatives ds/dp of the numbers of the scene by a number of the case, those that are not
-    0; None where there is no scene on one side, or one of other elements.
+    """The derivatives ds/dp of the numbers s of the scene by a number p of the case that are not 0,
+    by the key of s.
+
+    None if there is no scene for some of the displaced numbers p, or one with other keys.
     """
     value = number.of(p)
     distance = APART * Fraction(_unit(p, number))
@@ -116,8 +118,8 @@ def scene_rates(instance: Instance, p: Parameters, number: CaseNumber) -> dict[s
 def known_rates(
     instance: Instance, p: Parameters, number: CaseNumber, *, start_only: bool
 ) -> dict[str, float] | None:
-    """The derivatives ds/dp as in `scene_rates`; None also where the number acts on more than the
-    start and a method differentiates by numbers of the `start_only`.
+    """The derivatives ds/dp of `scene_rates`; None also if `start_only` and the number changes more
+    than the initial states, by which alone the method then differentiates.
     """
     rates = scene_rates(instance, p, number)
     if rates is None:
@@ -154,8 +156,8 @@ def observed_slopes(
     run: Trajectory,
     rates: Mapping[str, float],
 ) -> dict[str, Array]:
-    """The derivative (T,) of every quantity that follows from states, by the derivatives dx/dp that
-    the run reports: d/de of q(x + e dx/dp, p + e) at e = 0.
+    """The derivative (T,) of every quantity q that is computed from states x, from the derivatives
+    dx/dp of the run: d/de of q(x + e dx/dp, p + e) at e = 0.
     """
     change = tangent(run, rates)
     value = number.of(p)
@@ -188,9 +190,9 @@ def rounding_of_slopes(
 ) -> float:
     """Error of observed slopes by rounding, in scales of a quantity over the unit of the number.
 
-    Numbers of X scales are rounded by u X, so that a difference over a distance d is off by
-    ROUNDINGS X/d. The error is larger for a number that moves the motion by a small part of its
-    scales only, and for places that are far from the origin.
+    With numbers of size X in units of their scales, rounded by u X, the error of a difference over
+    a distance d is ROUNDINGS X/d. It is larger for a number that changes the motion by a small part
+    of its scales only, and for positions far from the origin.
     """
     distance = _distance(instance, tangent(run, rates), _unit(p, number))
     return ROUNDINGS * _largest(instance, p, run) / distance
@@ -206,8 +208,8 @@ def rounding_of_differences(
     """Error of derivatives that a program takes by central differences of its own runs, which have
     a relative `noise`, in scales of a quantity over the unit of a number with these `rates`.
 
-    With the best step h = u^(1/3) s of a number s, and of 1 where s is 0, rounding and the third
-    derivative leave noise X/h of states of X scales.
+    With the best displacement h = u^(1/3) |s| of a number s (u^(1/3) if s is 0), rounding and the
+    third derivative cause an error noise X/h, where X is the largest state in units of its scale.
     """
     # noise X sum |ds/dp|/(u^(1/3) |s|).
     numbers = numbers_in(instance.scene)

@@ -1,8 +1,8 @@
 """The derivatives of a trajectory as a CSV file, the way programs of any language hand them back.
 
 A row has the derivatives of the state of one body at one sample by one number of the scene, in the
-columns of a trajectory: `number,t,body,x,y,z,...` with dx/ds where that has x. The numbers come in
-the order of the request, each with the rows of a whole trajectory.
+columns of a trajectory: `number,t,body,x,y,z,...` with dx/ds in the column x, and so on. The rows
+are in the order of the numbers in the request, each with the rows of a whole trajectory.
 """
 
 from collections.abc import Sequence
@@ -23,9 +23,11 @@ SENSITIVITY_COLUMNS = ("number", *COLUMNS)
 STATE_BEGINS = 3
 """Index of the first derivative; the columns before it are the number, the time and the body."""
 TURN_BEGINS = SENSITIVITY_COLUMNS.index("qw")
-"""From here on all columns may be empty: the body does not rotate, and its derivatives are 0."""
+"""Index of the first derivative of the attitude. From it on all cells of a row may be empty: the
+body does not rotate, and these derivatives are 0.
+"""
 SAME_TIME = 1e-9
-"""Part of the largest time by which times of the two files may differ."""
+"""Largest difference of times in the two files, relative to the largest time."""
 
 
 def with_sensitivities(trajectory: Trajectory, path: Path, asked: Sequence[str]) -> Trajectory:
@@ -87,7 +89,7 @@ def _refuse_misplaced(
 
 
 def _slopes(line: list[str], where: str) -> list[float]:
-    """The derivatives in a line, 0 in those of a turn that are all empty."""
+    """The derivatives in a line; those of attitude and omega are 0 if all their cells are empty."""
     cells = line[STATE_BEGINS:]
     if not any(cell.strip() for cell in line[TURN_BEGINS:]):
         turn = len(SENSITIVITY_COLUMNS) - TURN_BEGINS

@@ -29,8 +29,9 @@ def probe(instance: Instance, multiple: float) -> Motion:
 def excess(instance: Instance, run: Trajectory) -> float:
     """The largest |position|, |velocity| or |omega| of the run, each in units of its scale.
 
-    A scale is the case's own (L, L/tau, 1/tau) plus the value at the start; a body
-    that nothing holds, as after an impact, may also fly as far as its speed allows.
+    A scale is that of the case (L, L/tau, 1/tau) plus the largest value at the start. If contacts
+    are the only elements, bodies fly apart after an impact, and the length scale is increased by
+    the distance V T.
     """
     scales = instance.scales
     scene = instance.scene

@@ -1,4 +1,4 @@
-"""Questions without time: mass properties of solids, and programs of rotation algebra.
+"""Problems without time: mass properties of solids, and programs of rotation algebra.
 
 A `Solid` requests mass, centre of mass and tensor of inertia of a list of pieces, an `Identity`
 the results of a list of operations (core/algebra.py), each of which may use earlier results.
@@ -23,7 +23,7 @@ Positive = Annotated[float, msgspec.Meta(gt=0)]
 
 
 class Static(Problem):
-    """A question with one answer; it is sample 0."""
+    """A problem without time; its result is sample 0."""
 
     @property
     def times(self) -> Array:  # type: ignore[override]
@@ -32,7 +32,7 @@ class Static(Problem):
 
     @property
     def interval(self) -> float:
-        """One second [s], in place of an interval that does not exist."""
+        """The value 1.0 [s], since there is no interval between samples."""
         return 1.0
 
     def when(self, sample: float) -> str:
@@ -156,8 +156,8 @@ MASS_PROPERTIES = (
 
 @dataclass(frozen=True, eq=False)
 class Solid(Static):
-    """Mass properties: values `<solid>.<one of MASS_PROPERTIES>` (1,), without those that an engine
-    does not give.
+    """Mass properties: values `<solid>.<one of MASS_PROPERTIES>`, each (1,), except those that an
+    engine does not compute.
     """
 
     kind: ClassVar[str] = "solid"
@@ -166,7 +166,7 @@ class Solid(Static):
 
     @property
     def features(self) -> frozenset[str]:
-        """The shapes, and what is done with them."""
+        """The features of all solids: their shapes, and hollow, turned, or about a point."""
         return frozenset(name for piece in self.content.solids for name in of_piece(piece))
 
     def document(self) -> SolidDocument:
@@ -280,11 +280,11 @@ class Identity(Static):
         return self.content
 
     def perturbed(self, ulps: int) -> "Identity":
-        """The same operations with every operand that measures something moved up by some ulps."""
+        """The same operations with all operands moved up by some ulps, except COUNTING_OPERANDS."""
         factor = 1 + ulps * 2.0**-52
 
         def perturbed_step(step: Operation) -> Operation:
-            """The operation with its numbers moved; results that it names move by themselves."""
+            """The operation with its numbers moved; references to results are not changed."""
             counting = COUNTING_OPERANDS.get(step.operation, ())
             operands: list[list[float] | str] = []
             for place, operand in enumerate(step.operands):
@@ -326,9 +326,9 @@ def _value(operand: list[float] | str, earlier: Mapping[str, Array]) -> Array:
 def results(problem: Identity, answers: Mapping[str, Callable[..., Any]]) -> dict[str, Array]:
     """The results (1, k) of the problem's operations by name, computed one after the other.
 
-    `answers` has a function of arrays (k,) for each kind of operation that an engine can do. An
-    operation is left out if it has none there, if that gives None, or if it uses a result that was
-    left out.
+    `answers` has a function of arrays (k,) for each kind of operation that an engine supports. An
+    operation is omitted if it has no function, if the function returns None, or if it uses a result
+    that was omitted.
     """
     computed: dict[str, Array] = {}
     for step in problem.content.operations:

@@ -1,9 +1,9 @@
 """The store: one SQLite file of finished runs, truths and charts; only the parent process writes
 it.
 
-It is a cache. A fault of it costs time and a line on standard error, never a campaign: an entry
-whose digest does not match, or which does not decode, is dropped and made again; a file that is no
-database is moved aside; where the disk is full or read-only, nothing more is kept.
+It is a cache, and no fault of it ends a campaign: each is reported by a line on standard error. An
+entry whose digest does not match, or that cannot be decoded, is deleted and computed again. A file
+that is no database is renamed. If the disk is full or read-only, nothing more is stored.
 """
 
 import hashlib
@@ -29,23 +29,23 @@ FORMAT = 3
 """Version of the format of the file, which grows with every change that older readers cannot read.
 """
 MOST = 250_000_000
-"""Bytes of an entry, at most; SQLite takes 1e9."""
+"""Largest size of an entry [bytes]; the limit of SQLite is 1e9."""
 PATIENCE = 30.0
-"""Seconds for which another process may hold the file."""
+"""Seconds to wait for a file that another process has locked."""
 PAUSE = 0.05
-"""Seconds between attempts to open a file that another process is making."""
+"""Seconds between attempts to open a file that another process is creating."""
 UNREADABLE = (ValueError, KeyError, TypeError, RefdemError)
 """Errors of decoding an entry that another version of refdem wrote."""
 FAULTS = (sqlite3.Error, UnicodeDecodeError)
 """Errors that SQLite raises; the second where its message quotes bytes of a damaged file."""
-# A table with row numbers: without them, entries lie in the tree of the keys itself, and each
-# search of it reads megabytes of those that it passes.
+# A table with row numbers. A table WITHOUT ROWID would store the data in the B-tree of the keys,
+# and a search of that tree would read megabytes of data on its path.
 _TABLE = (
     "CREATE TABLE IF NOT EXISTS entries (kind TEXT, key TEXT, digest BLOB NOT NULL, data BLOB NOT"
     " NULL, PRIMARY KEY (kind, key))"
 )
 PAGE = 16384
-"""Bytes of a page of the file: most runs are of this size, and large ones need fewer pages."""
+"""Page size of the file [bytes]: about the size of most runs; large runs need few pages."""
 
 
 def default_path() -> Path:
@@ -59,21 +59,22 @@ def cache_folder() -> Path:
     """The user's cache folder of refdem; it need not exist."""
     cache = os.environ.get("XDG_CACHE_HOME") or os.path.expanduser("~/.cache")
     if cache.startswith("~"):
-        # A user whom the system does not know has no home: not a folder named "~" in this one.
+        # "~" is not expanded for a user without an entry in the password database. A folder named
+        # "~" in the working directory must not be created.
         cache = "/.cache"
     return Path(cache) / "refdem"
 
 
 def digest_of(kind: str, key: str, data: bytes) -> bytes:
-    """The digest of an entry: of its kind, its key and its bytes."""
-    # Not of one sum of bytes, which is a copy of the data.
+    """The BLAKE2b digest (16 bytes) of the kind, key and data of an entry."""
+    # The data is added separately: concatenation would copy it.
     digest = hashlib.blake2b(f"{kind}\0{key}\0".encode(), digest_size=16)
     digest.update(data)
     return digest.digest()
 
 
 class _UnfitError(Exception):
-    """The file has another format; it is left as it is."""
+    """The file has another format, and is not changed."""
 
 
 @dataclass
@@ -83,21 +84,22 @@ class _Tally:
     path: Path
     connection: sqlite3.Connection | None = None
     file: int | None = None
-    """The inode that was opened: another process may have moved it aside since."""
+    """Inode of the opened file, to detect that another process has renamed it."""
     damaged: int = 0
 
 
 class Store:
-    """A file that keeps finished work by key.
+    """Results in a file, by kind and key.
 
-    A transaction an entry: killed at any moment, what is finished stays.
+    Every entry is a transaction of its own, so that entries that were written survive if the
+    process is killed.
     """
 
     def __init__(self, path: Path) -> None:
-        """Opens the store at `path` or makes it; never raises, see the head of this module."""
+        """Opens the store at `path`, or creates it; never raises (see the module docstring)."""
         self.path = path
         self._tally = _Tally(path)
-        # Python 3.13 warns of a connection that was not closed.
+        # The connection is closed with the object: Python 3.13 warns if it is not.
         self._finish = weakref.finalize(self, _finished, self._tally)
         self._open()
 
@@ -108,11 +110,11 @@ class Store:
 
     @property
     def is_usable(self) -> bool:
-        """True if entries are read and kept; else everything is made anew."""
+        """True if entries can be read and written; otherwise every result is computed again."""
         return self._tally.connection is not None
 
     def get(self, kind: str, key: str) -> bytes | None:
-        """The bytes kept under (kind, key), or None."""
+        """The bytes stored under (kind, key), or None."""
         connection = self._tally.connection
         if connection is None:
             return None
@@ -147,7 +149,7 @@ class Store:
             return None
 
     def put(self, kind: str, key: str, data: bytes) -> None:
-        """Keeps bytes under (kind, key), unless there are too many of them; these are recomputed
+        """Stores bytes under (kind, key), unless there are more than MOST; these are recomputed
         when they are needed.
         """
         connection = self._tally.connection
@@ -160,7 +162,7 @@ class Store:
             self._failed(error)
 
     def forget(self, kind: str, key: str) -> None:
-        """Deletes what is kept under (kind, key), if anything is."""
+        """Deletes the entry (kind, key), if there is one."""
         if self._tally.connection is not None:
             with suppress(*FAULTS):
                 self._tally.connection.execute(
@@ -168,7 +170,7 @@ class Store:
                 )
 
     def truth(self, key: str) -> SampledTruth | None:
-        """The sampled truth kept under a key, or None."""
+        """The sampled truth stored under a key, or None."""
         return self.read("truth", key, msgspec.msgpack.Decoder(SampledTruth).decode)
 
     def put_truth(self, key: str, truth: SampledTruth) -> None:
@@ -180,7 +182,7 @@ class Store:
         self._finish()
 
     def _open(self) -> None:
-        """Opens the file or makes it; a file that is no database is moved aside first."""
+        """Opens the file or creates it; a file that is no database is renamed first."""
         try:
             self._connect()
         except (_UnfitError, sqlite3.OperationalError, OSError) as error:
@@ -197,9 +199,8 @@ class Store:
         self._tally.file = _inode(self.path)
 
     def _failed(self, error: Exception) -> None:
-        """Replaces a damaged file by a new one; works on without a store where SQLite cannot write.
-
-        `error` is what SQLite raised.
+        """Handles an `error` of SQLite: replaces a damaged file by a new one, or stops using the
+        store if the file cannot be written.
         """
         connection = self._tally.connection
         self._tally.connection = None
@@ -214,7 +215,7 @@ class Store:
             self._renew(error)
 
     def _renew(self, error: Exception) -> None:
-        """Moves a damaged file aside and opens a new one, unless another process already has."""
+        """Renames a damaged file and opens a new one, unless another process has done so."""
         aside = self.path.with_name(f"{self.path.name}.damaged")
         inode = _inode(self.path)
         is_renewed = self._tally.file is not None and inode != self._tally.file
@@ -238,30 +239,32 @@ class Store:
         )
 
     def _drop(self, kind: str, key: str) -> None:
-        """Deletes one entry from the store that is damaged."""
+        """Deletes one damaged entry, and counts it."""
         self._tally.damaged += 1
         self.forget(kind, key)
 
 
 def _connected(path: Path) -> sqlite3.Connection:
-    """The open file with its table. Raises OSError, what FAULTS has, or _UnfitError for another
-    format.
+    """A connection to the file, with its table. Raises OSError, one of FAULTS, or _UnfitError for
+    a file of another format.
 
-    SQLite does not wait for a process that is just making the same file, so this does.
+    SQLite does not wait for a process that is creating the same file, so this function does, for up
+    to PATIENCE seconds.
     """
     if path.exists() and not path.is_file():
-        # SQLite would make files beside a device, and such a file would be moved aside as damaged.
+        # SQLite would create journal files beside a device or pipe, and the device would be renamed
+        # as a damaged file.
         raise _UnfitError("it is not a plain file")
     path.parent.mkdir(parents=True, exist_ok=True)
     until = time.monotonic() + PATIENCE
     while True:
         connection = sqlite3.connect(
-            # What is left of a store may be closed by whatever thread collects it.
+            # The finalizer of the store may close the connection in another thread.
             path,
             timeout=PATIENCE,
             isolation_level=None,
             check_same_thread=False,
-            # A statement that is kept for the next time keeps its last entry too.
+            # A cached statement would hold the data of its last entry in memory.
             cached_statements=0,
         )
         try:
@@ -288,17 +291,18 @@ def _inode(path: Path) -> int | None:
 
 
 def _prepare(connection: sqlite3.Connection) -> None:
-    """Makes the table; entries of an older format are dropped."""
-    # A journal of its own, not WAL, whose index every process maps: who cuts that file short kills
-    # the reader by SIGBUS, and it cannot be on a network's file system.
+    """Creates the table; entries of an older format are deleted."""
+    # A rollback journal instead of a write-ahead log (WAL): the index of a WAL is a memory-mapped
+    # file, so that truncating it ends readers by SIGBUS, and it does not work on network file
+    # systems.
     connection.execute(f"PRAGMA page_size={PAGE}")
     connection.execute("PRAGMA journal_mode=TRUNCATE")
-    # What a power failure damages is dropped and made again; a process that is killed damages
-    # nothing.
+    # Without synchronisation a power failure may damage entries, which are then deleted and
+    # computed again. A killed process damages nothing.
     connection.execute("PRAGMA synchronous=OFF")
     connection.execute("BEGIN IMMEDIATE")
-    # The format is read within the transaction: before it, another process that is making the same
-    # file may still have to write it, and what that process kept meanwhile would be dropped.
+    # The format is read within the transaction. Read before it, the format could be missing in a
+    # file that another process is creating, and the entries of that process would be deleted.
     (version,) = connection.execute("PRAGMA user_version").fetchone()
     if version > FORMAT:
         connection.execute("ROLLBACK")
@@ -313,7 +317,7 @@ def _prepare(connection: sqlite3.Connection) -> None:
 
 
 def _finished(tally: _Tally) -> None:
-    """Closes the connection and says in one line how many entries were damaged."""
+    """Closes the connection and reports the number of damaged entries on standard error."""
     if tally.connection is not None:
         with closing(tally.connection):
             tally.connection = None
@@ -322,7 +326,7 @@ def _finished(tally: _Tally) -> None:
 
 
 def _say(text: str) -> None:
-    """One line on standard error, if there is one."""
+    """Writes one line to standard error, if there is a standard error."""
     if sys.stderr is not None:
         with suppress(OSError, ValueError):
             print(f"refdem: {text}", file=sys.stderr)

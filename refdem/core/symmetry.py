@@ -72,7 +72,7 @@ class Symmetry:
         return rotation
 
     def applied(self, motion: Motion) -> Motion:
-        """The motion as the symmetry shows it."""
+        """The image of a motion: its scene and times mapped by the symmetry."""
         scene = Scene(
             self._bodies(motion.scene.bodies),
             tuple(self._element(e, len(motion.scene.bodies)) for e in motion.scene.elements),
@@ -98,7 +98,7 @@ class Symmetry:
         velocity = (run.velocity[:, order] * (time / length) - self.boost) @ self.q
         attitude = different_rows(run.attitude)[:, order]
         omega = different_rows(run.omega)[:, order] * time @ self.q
-        # A reflection turns the sense of every rotation.
+        # A reflection reverses the sense of every rotation: det(Q) = -1.
         if self.mirrored:
             omega = -omega
             attitude = attitude * REFLECTION
@@ -116,7 +116,7 @@ class Symmetry:
         """The bodies as the symmetry maps them, column by column; a point keeps its attitude."""
         mass, length, time = self.units
         speed = length / time
-        # A mirror image turns the other way: omega is an axial vector.
+        # A reflection reverses omega, an axial vector.
         has_inertia = np.any(bodies.inertia, axis=1, keepdims=True)
         if self.mirrored:
             sense = -1.0
@@ -124,11 +124,11 @@ class Symmetry:
         else:
             sense = 1.0
             attitude = product(self.turn, bodies.attitude)
-        # r -> l (Q r + shift), v -> (l/t) (Q v + boost), omega -> +-Q omega/t.
+        # r -> l (Q r + d),  v -> (l/tau) (Q v + u),  omega -> det(Q) Q omega/tau.
         position = length * (bodies.position @ self.q.T + self.shift)
         velocity = speed * (bodies.velocity @ self.q.T + self.boost)
         omega = bodies.omega @ self.q.T / time * sense
-        # Bodies name their shape by its number in `shapes`, so that each is mapped once.
+        # Bodies refer to a shape by its number in `shapes`, so each shape is mapped once.
         mapped_shapes = [self._shape(shape) for shape in bodies.shapes]
         columns: dict[str, Any] = {
             "mass": bodies.mass * mass,
@@ -159,8 +159,8 @@ class Symmetry:
         if isinstance(shape, Polyhedron):
             if self.mirrored:
                 sign = -1.0
-                # A reflection turns the order of a face's vertices round: seen from outside, it
-                # must stay counter-clockwise.
+                # The vertices of a face must be counter-clockwise seen from outside. A reflection
+                # makes them clockwise, so their order is reversed.
                 faces = tuple(face[::-1] for face in shape.faces)
             else:
                 sign = 1.0
@@ -184,10 +184,9 @@ class Symmetry:
     def _element(self, element: Element, count: int) -> Element:
         """An element with every field mapped as its annotated type requires.
 
-        A Position is a point, a Direction is rotated, an Acceleration is rotated and scaled, so is
-        an Omega, which a mirror image turns the other way; `a` and `b` are numbers of bodies of
-        which there are `count`, and every other number has the dimension that its annotation
-        states.
+        A Position is mapped as a point, a Direction is rotated, an Acceleration and an Omega are
+        rotated and scaled, and an Omega changes sign in a reflection. `a` and `b` are numbers of
+        bodies, of which there are `count`. Every other number has the dimension of its annotation.
         """
         changed: dict[str, Any] = {}
         hints = types_of(type(element))
@@ -211,7 +210,7 @@ class Symmetry:
         return msgspec.structs.replace(element, **changed).delayed(self.delay)
 
     def _vector_factor(self, hint: Any) -> float:
-        """What multiplies a vector of that type, after Q: its unit, and the sense of an Omega."""
+        """The factor of a vector of that type after Q: its unit, and det(Q) for an Omega."""
         _, length, time = self.units
         if hint == Acceleration:
             return length / time**2
@@ -237,7 +236,7 @@ def of(instance: Instance, name: str) -> Symmetry:
     """The symmetry called `name`, one of NAMES, for an instance.
 
     Shift and boost are a few times its length and speed scales, in the dimensions in which it
-    moves; all numbers of them are dyadic fractions, so that they add no rounding of their own.
+    moves. Their factors are powers of 2, so that they add no rounding of their own.
     """
     scales = instance.scales
     features = instance.scene.features
@@ -270,7 +269,7 @@ _IMAGES: WeakKeyDictionary[Instance, dict[str, tuple[Symmetry, Motion]]] = WeakK
 def image(instance: Instance, name: str) -> tuple[Symmetry, Motion]:
     """The symmetry called `name` and the instance's motion mapped by it.
 
-    They are made once for each instance, because every method is given the same.
+    They are computed once for each instance, since they are the same for every method.
     """
     images = _IMAGES.setdefault(instance, {})
     if name not in images:

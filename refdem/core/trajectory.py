@@ -1,4 +1,4 @@
-"""An engine's answer: states at times, events and channels, and the cost of making them."""
+"""The result of a run: states at times, events and channels, and the cost of computing them."""
 
 from dataclasses import dataclass, field, replace
 from typing import Any
@@ -24,8 +24,8 @@ it).
 
 
 class Event(msgspec.Struct, frozen=True):
-    """Something that happened at `time` [s] to a body: contact, release, stick, slip, stop (it
-    sticks for ever), catch, turn.
+    """An event of a body at `time` [s]; `kind` is contact, release, stick, slip, stop (a stick that
+    lasts for ever), catch or turn.
     """
 
     time: float
@@ -34,7 +34,7 @@ class Event(msgspec.Struct, frozen=True):
 
 
 class Cost(msgspec.Struct, frozen=True, kw_only=True):
-    """Seconds in the engine's own loop, seconds of set-up, and steps taken (0: none were)."""
+    """Seconds in the engine's own loop, seconds of set-up, and number of steps (0 if none)."""
 
     seconds: float
     setup: float = 0.0
@@ -46,11 +46,11 @@ class Trajectory:
     """States of N bodies at T times: position, velocity (T, N, 3), attitude (T, N, 4), omega (T, N,
     3) in space axes.
 
-    Attitude and omega of points are (1, 0, 0, 0) and 0. The answer to a question without a scene
-    has no bodies, and `values` (T, ...) by name instead, at the requested samples t (T,).
-    `derivatives` (T, N, 13) are those of position, velocity, attitude and omega by numbers of the
-    scene, by their keys, where a request asks for them. Raises EngineError, naming the place, if a
-    shape is wrong or a number is not finite.
+    Attitude and omega of points are (1, 0, 0, 0) and 0. The answer to a problem without a scene has
+    no bodies; it has arrays `values` (T, ...) by name at the requested samples t (T,).
+    `derivatives`, by the keys of the numbers of the scene that were requested, are arrays
+    (T, N, 13): the derivatives of position, velocity, attitude and omega by that number. Raises
+    EngineError, with the name of the array, if a shape is wrong or a number is not finite.
     """
 
     t: Array
@@ -161,9 +161,9 @@ class _Packed(msgspec.Struct):
 
 
 def _packed(values: Array) -> tuple[list[int], bytes]:
-    """Shape and bytes of an array; of an array whose rows are one broadcast row, that row only.
+    """Shape and bytes of an array; if all rows are one broadcast row, the bytes of that row only.
 
-    Bodies that do not rotate have such an attitude and omega.
+    Attitude and omega of bodies that do not rotate are such arrays.
     """
     rows = np.ascontiguousarray(different_rows(values), dtype="<f8")
     return list(values.shape), rows.tobytes()
@@ -171,7 +171,7 @@ def _packed(values: Array) -> tuple[list[int], bytes]:
 
 def different_rows(values: Array) -> Array:
     """The rows of an array (T, ...); only the first (1, ...) if all are one broadcast row."""
-    # A stride of 0 is numpy's mark of a broadcast axis.
+    # NumPy gives a broadcast axis the stride 0.
     if values.ndim and values.strides[0] == 0:
         return values[:1]
     return values

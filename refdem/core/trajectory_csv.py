@@ -25,13 +25,13 @@ STATES = len(COLUMNS)
 POINT = ["1", "0", "0", "0", "0", "0", "0"]
 """Attitude and omega of a body whose columns for them are empty: it does not rotate."""
 MOST_EVENTS = 1_000_000
-"""Rows of an events file that are read: a program that writes more has a defect, and would fill the
-memory.
+"""Largest number of rows of an events file: a program that writes more has a defect, and its file
+could fill the memory.
 """
 LONGEST_ROW = 2**17
-"""Characters; a row with all channels has 500."""
+"""Largest number of characters of a row; a row with all channels has 500."""
 MOST_EMPTY = 4
-"""Empty lines a row that is expected: blocks of rows are parted by two."""
+"""Largest number of empty lines for each expected row; two between blocks of rows are common."""
 
 
 def read_trajectory(
@@ -40,9 +40,9 @@ def read_trajectory(
     """The trajectory in a CSV file with a row per sample and body; raises EngineError that names
     the wrong line.
 
-    A channel (rod_force, overlap, ...) has a column of its own. In the rows of one sample, the
-    value of the k-th element that has this channel stands in the row of body k; the other rows of
-    the column are empty.
+    A channel (rod_force, overlap, ...) has a column of its own. In the rows of one sample, the row
+    of body k has the value of the k-th element with this channel; the other cells of the column are
+    empty.
     """
     row_count = samples * bodies
     # One row more than expected is read, so that a file with more rows is noticed.
@@ -112,8 +112,8 @@ def csv_lines(path: Path, most: int, columns: tuple[str, ...]) -> Iterator[tuple
 def _rows(file: TextIO, most_empty: int) -> Iterator[tuple[int, list[str]]]:
     """The rows of a CSV file that are not empty, each with the number of its last line.
 
-    Raises csv.Error for a row, or for so many empty ones, as no program writes that answers: they
-    cost time, and a row of many cells takes thirty times the memory of its text.
+    Raises csv.Error for a row, or a number of empty lines, beyond the limits LONGEST_ROW and
+    `most_empty`: the cells of a row take thirty times the memory of its text.
     """
     lines = _BoundedLines(file)
     reader = csv.reader(lines)
@@ -130,8 +130,8 @@ def _rows(file: TextIO, most_empty: int) -> Iterator[tuple[int, list[str]]]:
 
 @dataclass
 class _BoundedLines:
-    """The lines of a file; csv.Error where those of one row have more than LONGEST_ROW characters
-    together. Whoever has read a row sets `taken` to 0.
+    """The lines of a file; csv.Error if the lines of one row have more than LONGEST_ROW characters
+    together. The reader must set `taken` to 0 after each row.
     """
 
     file: TextIO
@@ -196,10 +196,10 @@ def _row(line: list[str], header: list[str], number: int, name: str) -> list[flo
 def plain_numbers(line: list[str]) -> list[float] | None:
     """The numbers of a line if all cells are finite numbers in Python's notation, else None.
 
-    Almost every line is of this kind, and is read fast here.
+    Almost every line is of this kind, and this function is faster than `_row`.
     """
     text = "".join(line)
-    # float() takes more than numbers: 1_000, digits of other scripts, nan.
+    # float() also accepts 1_000, digits of other scripts, and nan.
     if not text.isascii() or "_" in text:
         return None
     try:
@@ -212,7 +212,7 @@ def plain_numbers(line: list[str]) -> list[float] | None:
 
 
 def number_in(cell: str) -> float | None:
-    """The number in a cell, also as Fortran writes it (1.5D+00); None if it is none."""
+    """The number in a cell, also in Fortran's notation 1.5D+00; None if the cell is no number."""
     if not cell.isascii() or "_" in cell:
         return None
     try:

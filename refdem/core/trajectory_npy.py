@@ -29,11 +29,11 @@ EXPECTED = (
 
 
 def read_table(path: Path, samples: int, bodies: int, events: Path | None = None) -> Trajectory:
-    """The trajectory in an array with a row a sample and body, as of the CSV form; raises
-    EngineError that says what is wrong.
+    """The trajectory in an array with one row for each sample and body, as in the CSV form; raises
+    EngineError with the reason.
 
-    A plain array has the columns of the state; one with names may have channels too. NaN stands for
-    what is empty in CSV.
+    A plain array has the columns of the state; a structured array may have channels too. NaN stands
+    for an empty cell of the CSV form.
     """
     file = opened(path)
     if file is None:

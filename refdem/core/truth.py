@@ -1,5 +1,5 @@
-"""Certified values: balls with an exact midpoint and a proven radius, and their rounded samples
-that judging reads.
+"""Certified values: balls with an exact midpoint and a proven radius, and their samples rounded to
+doubles, with which runs are compared.
 """
 
 from abc import ABC, abstractmethod
@@ -99,22 +99,22 @@ class Truth(ABC):
     @abstractmethod
     def sensitivity(self, t: Fraction) -> float:
         """S(t) >= 1, a bound on error growth: an error made at any time s in [0, t] is at t at most
-        S(t) times what it was at s, to first order in the error.
+        S(t) times as large as at s, to first order in the error.
 
-        With D(t) the derivative of the state at t by the start, in coordinates scaled as the
-        quantities are,
+        With D(t) the derivative of the state at t by the initial state, in coordinates scaled like
+        the quantities,
 
             sup over 0 <= s <= t of |D(t) D(s)^-1|  <=  S(t).
 
-        The norm is the same at s and at t: the largest Euclidean length of any part. The turn and
-        the angular velocity of a free body are one part each; elsewhere every coordinate is one.
+        The norm at s and at t is the largest Euclidean length of any part of the state. Rotation
+        and angular velocity of a free body are one part each; otherwise every coordinate is one.
 
-        Judging takes the largest S so far (`SampledTruth.growth`). S(t) depends on t alone, not on
-        the other requested times.
+        Bounds use the largest S so far (`SampledTruth.growth`). S(t) depends on t alone, not on the
+        other requested times.
         """
 
     def refined(self, digits: int) -> "Truth":
-        """The same truth with radii of at most 10^-digits; unchanged where radii are not chosen."""
+        """The same truth with radii of at most 10^-digits, if radii can be chosen; else itself."""
         return self
 
     def sensitivities(self, times: Sequence[Fraction]) -> list[float]:
@@ -134,9 +134,10 @@ class SampledTruth(msgspec.Struct, frozen=True, kw_only=True):
     """Truth at the samples of one problem: doubles with radii, for judgement and for the
     store.
 
-    `until` counts the certified samples, `reason` is why there are no more. `scalars` are (value,
-    radius), `printed` the same in decimals. `earlier` maps a delay [s] to (values, radii) at that
-    much before each sample, for velocities that lag; before the first sample nothing is known, so
+    `until` is the number of certified samples, `reason` states why there are no more. `values` and
+    `radii` (until,) are by quantity, `sensitivity` (until,) is S. `scalars` are (value, radius),
+    `printed` the same in decimals. `earlier` maps a delay [s] to (values, radii) at that time
+    before each sample, for velocities that lag. Times before the first sample are not certified:
     the radius there is infinite.
     """
 
@@ -161,12 +162,10 @@ class SampledTruth(msgspec.Struct, frozen=True, kw_only=True):
         return np.array(self.radii[name])
 
     def delayed(self, delay: float) -> "SampledTruth":
-        """The same samples `delay` [s] earlier; they must have been sampled."""
+        """The truth `delay` [s] before each sample; `earlier` must contain this delay."""
         values, radii = self.earlier[delay]
         return msgspec.structs.replace(self, values=values, radii=radii)
 
     def growth(self) -> Array:
-        """The largest S so far (until,): errors made at any earlier time are amplified by no
-        more.
-        """
+        """The largest S so far (until,), at least 1: a bound on the growth of earlier errors."""
         return np.maximum.accumulate(np.maximum(1.0, np.array(self.sensitivity)))

@@ -26,11 +26,17 @@ Change = Literal[
 class Variant:
     """A refinement level (step [s] or tolerance; 0 for exact methods) and at most one change of it.
 
-    repeated: the same request again. threads: the same on `amount` threads.
-    differentiated: the same with its derivatives. reversed: on from the
-    end with velocities flipped. backward: on from the end with negative steps. perturbed: the start
-    moved by `amount` units in the last place. denser_output: `amount` times the samples. The others
-    are symmetries (core/symmetry.py).
+    The changes are:
+
+    - repeated: the same request again;
+    - threads: the same request on `amount` threads;
+    - differentiated: the same request with derivatives;
+    - reversed: a run from the end of the plain run with velocities of opposite sign;
+    - backward: a run from the end of the plain run with negative steps;
+    - perturbed: the start moved by `amount` units in the last place;
+    - denser_output: `amount` times as many samples.
+
+    The others are symmetries (core/symmetry.py).
     """
 
     level: float
@@ -39,7 +45,7 @@ class Variant:
 
     @property
     def base(self) -> "Variant":
-        """The plain run of the same level, on whose end some variants go on."""
+        """The plain run of the same level, from whose end some variants start."""
         return Variant(self.level)
 
     @property

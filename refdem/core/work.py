@@ -1,7 +1,7 @@
 """Work that drives and dashpots do along a run, integrated between its samples.
 
-W(t) = int P dt, with the power P = F . v of every force that has no potential; energy less W stays
-what it was.
+W(t) = int P dt, with the power P = F . v of every force that has no potential. Energy less W is
+conserved.
 """
 
 from dataclasses import dataclass
@@ -18,7 +18,9 @@ Array = NDArray[np.float64]
 WINDOW = 4
 """Samples through which each polynomial goes: degree 7."""
 EVENLY = 5.0
-"""Factor by which a change may be reduced less in one interval than in the run as a whole."""
+"""Safety factor on the reduction of changes, which may be smaller in one interval than over the
+whole run.
+"""
 SAFETY = 1.5
 """Factor on the last change of the work.
 
@@ -32,24 +34,31 @@ GAUSS_NODES = 8
 
 @dataclass(frozen=True, eq=False)
 class Work:
-    """Work (T,) [J] on the scene from the first sample on, and how far off it may be (T,) [J]."""
+    """Work (T,) [J] on the scene since the first sample, and a bound (T,) [J] on its error."""
 
     done: Array
     uncertainty: Array
 
 
 def work_along(scene: Scene, run: Trajectory) -> Work | None:
-    """The work of all forces without a potential along a run of points; None where the samples do
-    not show it.
+    """The work of all forces without a potential along a run of points; None if it cannot be
+    computed from the samples.
 
-    It cannot be computed where some force does not follow from position and velocity (contacts,
-    friction that sticks), where bodies turn, and where the samples are fewer than five. The
-    uncertainty is SAFETY times the difference to what one sample less in each polynomial gives, the
-    largest of neighbouring intervals, for it may pass zero in one, summed over the intervals: in
-    the limit of close samples the error of a smooth motion is smaller by another two orders. It may
-    pass zero in all of them, so that the difference before it, to two samples less, counts as well,
-    reduced by EVENLY times the ratio of both over the whole run (not reduced where a force is
-    singular: as a drag where the motion turns back, for which higher degrees gain nothing).
+    It cannot be computed if some force does not follow from position and velocity (contacts,
+    friction that sticks), if bodies turn, or if there are fewer than five samples.
+
+    With W_m the work in an interval by polynomials through m samples, the uncertainty of an
+    interval is
+
+        SAFETY max(|W_4 - W_3|, r |W_3 - W_2|),
+
+    the largest of the interval and its two neighbours, plus round-off; `uncertainty` is its sum
+    over the intervals. Neighbours are included since a difference may pass zero in one interval,
+    and the second difference since the first may be small in all of them. The reduction r is EVENLY
+    times the ratio of the largest values of both differences in the run, at most 1. It is 1 where a
+    force is singular, such as a drag at a turning point of the motion, since higher degrees are
+    then no more accurate. For close samples of a smooth motion the error is smaller than the first
+    difference by two orders of the interval.
     """
     is_turning = bool(np.any(scene.bodies.inertia > 0))
     if is_turning or len(run.t) <= WINDOW:
@@ -110,5 +119,5 @@ def _interval_work(
 
 
 def fastest_drive(scene: Scene) -> float:
-    """The largest angular frequency [rad/s] of a drive; 0 without a drive that swings."""
+    """The largest angular frequency [rad/s] of a periodic drive; 0 without one."""
     return max((getattr(element, "frequency", 0.0) for element in scene.elements), default=0.0)

@@ -292,7 +292,7 @@ class _Distribution:
         try:
             error, data = _outcome(future)
         except LOST:
-            # The worker that held the result has died, or the scheduler, and `_look` says which.
+            # The worker with the result, or the scheduler, has died; `_look` finds out which.
             self._lost_in_a_row += 1
             if self._lost_in_a_row > MOST_LOST:
                 raise _gone(self._address) from None
@@ -328,7 +328,7 @@ _KEPT = "finished runs are in the store; run the same command again to continue"
 
 
 def _gone(address: str) -> ClusterError:
-    """The error that says that the scheduler was lost."""
+    """The error that is raised if the scheduler is lost."""
     return ClusterError(
         f"the scheduler at {one_line(address)} does not respond any more; restart it, or omit"
         f" --scheduler; {_KEPT}"
@@ -337,7 +337,7 @@ def _gone(address: str) -> ClusterError:
 
 @contextlib.contextmanager
 def _noticed(address: str) -> Iterator[None]:
-    """Within this context an error of the connection to the scheduler says that it is gone."""
+    """Within this context an error of the connection is raised as a lost scheduler."""
     try:
         yield
     except LOST as error:
@@ -355,7 +355,7 @@ def connected(address: str) -> Any:
             f"a scheduler needs the package distributed ({error}); install it with"
             " `pip install 'refdem[distributed]'`"
         ) from error
-    # Dask would log a lost scheduler with a traceback, and ClusterError says it in a sentence.
+    # Dask would log a lost scheduler with a traceback; ClusterError reports it in a sentence.
     for name in ("distributed", "distributed.client", "tornado.application"):
         logging.getLogger(name).setLevel(logging.CRITICAL)
     try:
@@ -418,7 +418,7 @@ def _outcome(future: Any) -> tuple[BaseException | None, object]:
 
 
 def _read(data: object) -> remote.Returned:
-    """What a worker returned; raises ClusterError for anything else."""
+    """The decoded result of a worker; raises ClusterError for bytes that are none."""
     if not isinstance(data, bytes):
         raise ClusterError(f"a worker returned {type(data).__name__}; expected bytes")
     try:

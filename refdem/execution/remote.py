@@ -103,10 +103,10 @@ def code_state(engines: Iterable[Engine]) -> bytes:
 
 @lru_cache(maxsize=8)
 def mismatch(expected: bytes) -> str:
-    """Why runs of this process would differ from those of the process whose state is `expected`;
-    empty if they would not.
+    """The reason why runs of this process may differ from those of the process with the state
+    `expected`, or an empty text.
 
-    It is computed once for each state, as the code of a process does not change.
+    It is computed once for each state, since the code of a process does not change.
     """
     state = msgspec.msgpack.decode(expected, type=CodeState)
     here = fingerprint.of_refdem()

@@ -399,7 +399,7 @@ class Schedule:
 
 
 def take_back(running: dict[Any, Job]) -> Iterator[tuple[Job, Failure]]:
-    """The running jobs that are given up in view of the latest results."""
+    """Cancels and yields the running jobs that are given up because of the latest results."""
     vain = [
         (future, failure)
         for future, job in running.items()

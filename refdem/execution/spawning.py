@@ -25,7 +25,7 @@ reads a job or writes a result.
 
 
 class PipeLock:
-    """A lock between processes: whoever has a record lock on the pipe holds it.
+    """A lock between processes: the process with a record lock on the pipe holds it.
 
     It has those methods of `multiprocessing.RLock` that the pool of workers calls. The thread that
     holds it may acquire it again, and must release it as often as it acquired it.
@@ -39,7 +39,7 @@ class PipeLock:
         self.__setstate__(end)
 
     def __getstate__(self) -> Connection:
-        """Another process gets the pipe; it does not hold the lock."""
+        """The pipe, which is sent to another process; that process does not hold the lock."""
         return self._end
 
     def __setstate__(self, end: Connection) -> None:
@@ -49,9 +49,7 @@ class PipeLock:
         self._times = 0
 
     def acquire(self, block: bool = True, timeout: float | None = None) -> bool:
-        """Whether the lock was acquired, within `timeout` [s] if that is given, at once if it is
-        not to `block`.
-        """
+        """True if the lock was acquired: within `timeout` [s] if given, at once if not `block`."""
         if not block:
             timeout = 0.0
         if timeout is None:
@@ -73,7 +71,7 @@ class PipeLock:
         self._of_threads.release()
 
     def _comes(self, end: float) -> bool:
-        """Whether this process gets the record lock before `end` [s] of the monotonic clock."""
+        """True if this process gets the record lock before `end` [s] of the monotonic clock."""
         while not self._is_got():
             if time.monotonic() >= end:
                 return False
@@ -81,7 +79,7 @@ class PipeLock:
         return True
 
     def _is_got(self) -> bool:
-        """Whether this process gets the record lock now."""
+        """True if this process gets the record lock now."""
         try:
             fcntl.lockf(self._end.fileno(), fcntl.LOCK_EX | fcntl.LOCK_NB)
         except (BlockingIOError, PermissionError):

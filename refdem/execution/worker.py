@@ -137,7 +137,7 @@ def run(engine: str, request: bytes, deadline: float = math.inf) -> bytes:
 
 
 def stages(engine: str, request: bytes, deadline: float = math.inf) -> Stages[bytes]:
-    """The run in stages, so that others may run while it waits."""
+    """The run in stages, so that other runs may proceed while it waits for its program."""
     # The monotonic clock is the same in all processes of the system.
     if time.monotonic() > deadline:
         failure = Failure(

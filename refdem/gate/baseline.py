@@ -55,7 +55,7 @@ class Header(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=Tr
 
 
 def accepted(record: Record, finding: Finding) -> Accepted:
-    """A finding as a baseline keeps it."""
+    """The entry of a finding in a baseline."""
     return Accepted(
         id=record.id(finding),
         outcome=finding.outcome,

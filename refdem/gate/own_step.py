@@ -17,12 +17,12 @@ from refdem.scene.acceleration import Acceleration, acceleration, lacking
 
 Array = NDArray[np.float64]
 Step = Callable[[float, Array, Array, float, Acceleration], tuple[Array, Array]]
-"""`step(t, r, v, h, a)` returns the places and velocities (N, 3) [m], [m/s] at t + h [s], where
+"""`step(t, r, v, h, a)` returns the positions and velocities (N, 3) [m], [m/s] at t + h [s], where
 `a(t, r, v)` are the accelerations (N, 3) [m/s^2] of all bodies."""
 
 
 class OwnStep(Engine):
-    """Points in the forces of a scene, moved by a function for one step of the user's method."""
+    """An engine for points under the forces of a scene, from a function for one step."""
 
     title = "Own integrator"
 
@@ -52,7 +52,7 @@ class OwnStep(Engine):
 
     def run(self, request: Request) -> tuple[Trajectory, Cost]:
         """Makes the steps from sample to sample; raises UsageError for a step that returns anything
-        but places and velocities.
+        but positions and velocities.
         """
         assert isinstance(request.problem, Motion)
         scene = request.problem.scene
@@ -74,7 +74,7 @@ class OwnStep(Engine):
         return Trajectory.of_points(times, places, velocities), cost
 
     def _checked(self, state: object, shape: tuple[int, ...]) -> tuple[Array, Array]:
-        """Places and velocities as a step returned them; raises UsageError for anything else."""
+        """Positions and velocities returned by a step; raises UsageError for anything else."""
         try:
             r, v = (np.array(column, np.float64) for column in state)  # type: ignore[attr-defined]
         except (TypeError, ValueError):

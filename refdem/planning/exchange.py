@@ -62,7 +62,7 @@ DIGITS = 16
 have equal names with a probability of 3e-10.
 """
 FORMAT = 2
-"""Of a manifest."""
+"""Version of the format of a manifest."""
 
 
 class Manifest(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
@@ -258,7 +258,7 @@ def exported(
 ) -> list[str]:
     """Writes the requests that can be written now.
 
-    Returns the names of the runs whose trajectories have not come back yet.
+    Returns the names of the runs whose trajectories have not been returned yet.
     """
     engines = {path: discovery.engine(str(path)) for path in tomls}
     versions = {}

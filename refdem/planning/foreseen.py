@@ -211,8 +211,8 @@ class Slopes:
 
 
 def numbers_behind(instance: Instance, number: scene_numbers.Number) -> list[Number]:
-    """The number of the case, or all those of a vector of it, whose misreading is that of a number
-    of the scene; empty if there is none.
+    """The number of the case, or all numbers of one vector of it, whose misreading has the same
+    effect on the scene as that of a number of the scene; empty if there is none.
     """
     p = instance.case.written_out(instance.p)
     own = list(numbers_of(p))

@@ -166,7 +166,7 @@ def _dispensable(runs: Mapping[Variant, Run]) -> set[Variant]:
 def _needed(
     task: Task, check: Check, completed: _Completed, dispensable: set[Variant]
 ) -> tuple[Variant, ...]:
-    """The runs that a check needs: at first, and in view of those."""
+    """The runs that a check needs at first, and once these are there, its further ones."""
     needed = check.needs(task.subject)
     if completed.keys() | dispensable >= set(needed):
         return (*needed, *check.further(task.subject, completed))

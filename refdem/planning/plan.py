@@ -118,7 +118,7 @@ def rows(specification: Specification, engines: list[Engine]) -> list[Row]:
 def instances(specification: Specification) -> list[tuple[Instance, tuple[str, ...]]]:
     """The instances of a campaign, each with the only checks to run on it (none: all).
 
-    A selection stands for all instances that it admits, with its one check. Instances that are
+    A selection is replaced by all instances that it admits, with its one check. Instances that are
     already judged by all checks are not repeated.
     """
     requested: list[tuple[Instance, tuple[str, ...]]] = []
@@ -215,8 +215,9 @@ def subjects(specification: Specification, instance: Instance, engine: Engine) -
     """A subject, still without truth, for each method of an engine on an instance, with the reason
     where it is not supported.
 
-    Methods for other kinds of questions are left out; an engine that has none for this kind refuses
-    by its first. Raises UsageError for a method that the engine does not have.
+    Methods for other kinds of problems are omitted. If an engine has no method for this kind, the
+    refusal of its first method is returned. Raises UsageError for a method that the engine does not
+    have.
     """
     if specification.method:
         methods = [engine.method(specification.method)]
@@ -286,7 +287,7 @@ def tasks(
 ) -> list[Task]:
     """One task for each method of an engine: its subject with truth, and the checks that apply.
 
-    `only` are the checks to run (none: all), `reason` says why there is no truth.
+    `only` are the checks to run (none: all), `reason` is the reason why there is no truth.
     """
     supported = subjects(specification, instance, engine)
     return _tasks(specification, instance, only, engine, supported, truth, reason)

@@ -1,7 +1,7 @@
 """The last two stages of a campaign: the runs of all tasks, and the records that are judged from
 them.
 
-A task is judged as soon as its runs are there, while those of others are made.
+A task is judged as soon as its runs have ended, while those of other tasks are being made.
 """
 
 from collections.abc import Iterable, Iterator, Mapping

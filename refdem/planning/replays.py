@@ -72,9 +72,10 @@ class Anchor:
 class Stage:
     """What every track of a replay is compared with.
 
-    It has places and attitudes (T, N, ...) of truth, the run from which they are drawn, the samples
-    (F,) that are shown, which bodies (N,) rotate, whether the case compares attitudes, and the
-    largest distance [m] from truth at which a body is placed.
+    `position` (T, N, 3) [m] and `attitude` (T, N, 4) are those of truth, completed from the run
+    `anchor`, and `frames` (F,) are the samples that are shown. `turning` (N,) is True for bodies
+    that rotate, `is_compared` if the case compares attitudes. `reach` [m] is the largest distance
+    from truth at which a body is drawn.
     """
 
     position: Array
@@ -259,7 +260,8 @@ def _summed(t: Array, rate: Array) -> Array:
 
 
 def _rotation_vector(q: Array) -> Array:
-    """The rotation vector (..., 3), at most pi long, of a unit quaternion."""
+    """The rotation vector (..., 3) [rad], at most pi long, of unit quaternions (..., 4)."""
+    # q = (cos(a/2), n sin(a/2)):  a n = (a/sin(a/2)) vec q,  2 vec q for a = 0.
     q = np.where(q[..., :1] < 0, -q, q)
     sine = np.linalg.norm(q[..., 1:], axis=-1, keepdims=True)
     angle = 2 * np.arctan2(sine, q[..., :1])

@@ -55,7 +55,9 @@ _DECODER = msgspec.msgpack.Decoder(Resolution)
 
 @dataclass(frozen=True)
 class Trial:
-    """The findings of a run with a number misread, and its finest run; or why there is none."""
+    """The findings of a run with a number misread, and its finest run, or the reason why the engine
+    refused it.
+    """
 
     findings: tuple[Finding, ...] = ()
     finest: Run | None = None
@@ -228,10 +230,10 @@ def resolution(
 ) -> Resolution:
     """The resolution of the method that the specification names, for each number of the scene.
 
-    Only checks that read nothing but plain runs of the refinement levels are used. Runs of the
-    scene shifted, boosted, relabelled or reversed are mostly misread in the same way, so that a
-    comparison shows nothing. It may show a start, or a number of one body: 1.05 (x + s) - s is not
-    1.05 x. A verdict therefore excludes at least what is measured.
+    Only checks that read nothing but plain runs of the refinement levels are used. In runs of the
+    scene shifted, boosted, relabelled or reversed a number is mostly misread in the same way, so
+    that their comparison detects nothing. It may detect a misread start, or a number of one body:
+    1.05 (x + s) - s is not 1.05 x. The verdict of all checks is therefore at least as sharp.
     """
     (task,) = plan.tasks(specification, instance, (), engine, truth, truth.reason)
     narrow = msgspec.structs.replace(specification, checks=checks_of_plain_runs(task))
@@ -332,8 +334,8 @@ class Threshold:
 
     It is between `unseen`, the largest undetected misreading, and `seen`, the smallest detected
     one, which the check and quantity `by` detected. A ratio r of error to bound at a misreading a
-    predicts the threshold a/r. The next trial is slightly above that if r is large, and slightly
-    below otherwise, so that two trials with the ratio CLOSE soon enclose the threshold.
+    predicts the threshold a/r, since errors are proportional to a. The next trial is 1.2 a/r for
+    r > 2 and 0.8 a/r otherwise, so that trials soon enclose the threshold within the factor CLOSE.
     """
 
     unseen: float = 0.0

@@ -73,7 +73,7 @@ class Runs:
             yield from runs.values()
 
     def different(self, *, read: bool) -> int:
-        """How many different runs were read from the store, or were made."""
+        """The number of different runs that were read from the store (`read`), or were made."""
         return len({run.key for run in self if run.from_store == read})
 
     def trajectory(self, run: Run) -> Trajectory | None:
@@ -176,7 +176,7 @@ def _step(request: Request) -> float:
 
 @dataclass(frozen=True, kw_only=True)
 class Runner:
-    """Makes runs: with the workers of `schedule`, within `timeout` [s] each, kept in `store`.
+    """Makes runs with the workers of `schedule`, within `timeout` [s] each, and stores them.
 
     Trajectories are moved into the `spool` as they arrive, because all of them would need too much
     memory.
@@ -222,14 +222,14 @@ class Runner:
             if reply.failure is not None and reply.failure.kind == "leak":
                 leaking.add(_method(same[0].task))
             yield from self._answered(same, reply, from_store=False)
-        # The answers of these methods depend on earlier requests, so that none of their answers can
-        # be trusted, including those before the one that showed it.
+        # The results of these methods depend on earlier requests, so that none of them can be
+        # trusted, including those before the one in which this was detected.
         for key, same in equal.items():
             if _method(same[0].task) in leaking:
                 self.store.forget("run", key)
 
     def _read(self, key: str) -> worker.Reply | None:
-        """The reply that the store has to the run with this key, or None."""
+        """The stored reply of the run with this key, or None."""
         if not self.use_store:
             return None
         reply = self.store.read("run", key, checked_reply)

@@ -11,7 +11,7 @@ from refdem.core.truth import SampledTruth
 from refdem.scene.scene import encoded
 
 LISTED = 64
-"""Bodies, or states of an ensemble, that a report shows of a question that has more."""
+"""Largest number of entries of a list, such as bodies, that a report shows."""
 
 
 def case_sheet(instance: Instance, truth: SampledTruth) -> CaseSheet:

@@ -15,7 +15,7 @@ from refdem.core.selection import Selection
 from refdem.errors import OutOfRangeError, UsageError
 
 YEAR = 366 * 86400.0
-"""Seconds."""
+"""Seconds in a leap year."""
 _HERE = Path(__file__).resolve().parents[1]
 
 
@@ -35,7 +35,7 @@ class Entry(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     levels: int | msgspec.UnsetType = msgspec.UNSET
 
     def __post_init__(self) -> None:
-        """Refuses a number of levels out of range."""
+        """Raises OutOfRangeError for a number of levels out of range."""
         if self.levels is not msgspec.UNSET and not 1 <= self.levels <= MOST_LEVELS:
             given = one_line(str(self.levels), 40)
             raise OutOfRangeError(
@@ -48,12 +48,12 @@ class Entry(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
 
     @property
     def question(self) -> tuple[str, frozenset[tuple[str, str]]]:
-        """What is asked, for any levels: the case and its parameters."""
+        """The case and its parameters, in a form that can be compared; levels do not matter."""
         return self.id, frozenset(self.set.items())
 
     @property
     def label(self) -> str:
-        """The case with its parameters, as people write it: `pendulum[theta0=2]`."""
+        """The case with its parameters, such as `pendulum[theta0=2]`."""
         inside = " ".join(f"{name}={value}" for name, value in self.set.items())
         if inside:
             return f"{self.id}[{inside}]"
@@ -92,8 +92,8 @@ class Specification(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fi
     is_part: bool = False
 
     def __post_init__(self) -> None:
-        """Refuses numbers out of range and repeated entries; msgspec adds their place in the file
-        to the error.
+        """Raises OutOfRangeError for numbers out of range and repeated entries; msgspec adds their
+        place in the file to the error.
         """
         ranges = {
             "levels": (self.levels, 1, MOST_LEVELS),

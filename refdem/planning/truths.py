@@ -106,7 +106,7 @@ def _available(
 ) -> SampledTruth | None:
     """The truth in the store of finished work, or else the one that comes with refdem, or None."""
     stored = store.truth(key)
-    # The truths that come with refdem have the samples of the case itself, no earlier ones.
+    # The truths distributed with refdem are at the samples of the case only, not before them.
     if stored is None and not delays:
         return kept_truth(instance)
     return stored

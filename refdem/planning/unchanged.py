@@ -34,7 +34,7 @@ def key_of(specification: Specification, engines: list[Engine]) -> str | None:
     try:
         encoded = msgspec.json.encode(content, order="deterministic")
     except UnicodeEncodeError:
-        # The path of a refdem.toml may hold any bytes; its sheets are made anew every time.
+        # The path of a refdem.toml may contain any bytes; such sheets are computed every time.
         return None
     return hashlib.sha256(encoded).hexdigest()
 
