@@ -64,9 +64,9 @@ def asked(instance):
     return Request(problem=instance.problem, method="verlet", step=instance.problem.interval)
 
 
-SLOW_AND_SOFT = 6
-SLOW = {SLOW_AND_SOFT, 7}
-UNDAMPED = {5, SLOW_AND_SOFT, 9}
+SLOW_AND_SOFT = 7
+SLOW = {SLOW_AND_SOFT, 8}
+UNDAMPED = {6, SLOW_AND_SOFT, 10}
 MISREADINGS = {
     "a tangential spring of at least 1 N/m": (
         contact(tangential_stiffness=lambda k: max(k, 1.0) if k else k),
