@@ -31,21 +31,19 @@ def force_probes() -> tuple[Probe, ...]:
     """The probes of forces: springs, dashpots, drag, friction, drives, a rod, contacts, fixed
     bodies; those that a plane has room for are asked in it and in space.
     """
-    planar = (_damped_pair(), _slide(), _drive_between(), _dumbbell(), _floor(), *unlike_probes())
-    return (
-        _diagonal_spring(),
-        _two_springs(),
-        *planar[:2],
-        _drive("drive", start=0.0),
-        _drive("drive that starts later", start=LATER),
-        *planar[2:4],
+    springs = (_diagonal_spring(), _two_springs())
+    damped = (_damped_pair(), _slide())
+    driven = (_drive("drive", start=0.0), _drive("drive that starts later", start=LATER))
+    coupled = (_drive_between(), _dumbbell())
+    knocks = (
         _knock("knock in a plane", normal=(0.6, 0.8, 0.0), drift=(0.5, -0.25, 0.0)),
         _knock("knock in space", normal=(2 / 3, -1 / 3, 2 / 3), drift=(0.5, -0.25, 0.75)),
-        *planar[4:],
-        *map(in_space, planar),
-        _hanging_from_fixed(),
-        _resting_on_fixed(),
     )
+    others = (_floor(), *unlike_probes())
+    planar = (*damped, *coupled, *others)
+    fixed = (_hanging_from_fixed(), _resting_on_fixed())
+    as_written = (*springs, *damped, *driven, *coupled, *knocks, *others)
+    return (*as_written, *map(in_space, planar), *fixed)
 
 
 def _moved(start: Array, along: Array, x: Array, v: Array) -> Expected:
