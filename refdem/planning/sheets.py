@@ -21,7 +21,6 @@ def case_sheet(instance: Instance, truth: SampledTruth) -> CaseSheet:
     lengths = {"L": scales.length, "tau": scales.tau, "T": scales.duration, "mass": scales.mass}
     units = {parameter.name: parameter.unit for parameter in instance.p.declared.values()}
     quantities = {quantity.name: quantity.unit for quantity in instance.quantities.values()}
-    settings = " ".join(f"--set {name}={value}" for name, value in instance.p.changed().items())
     document = msgspec.json.decode(encoded(instance.problem.document()))
     scene = msgspec.json.format(msgspec.json.encode(_shown(document))).decode()
     return CaseSheet(
@@ -40,10 +39,16 @@ def case_sheet(instance: Instance, truth: SampledTruth) -> CaseSheet:
         truth_witness=truth.witness,
         truth_scalars=truth.printed,
         truth_reason=truth.reason,
-        reproduce=f"refdem run {case.id} {settings}".strip(),
+        reproduce=_command(instance),
         motion=case.motion,
         words=case.words,
     )
+
+
+def _command(instance: Instance) -> str:
+    """The command that runs an instance, with the parameters that are not at their defaults."""
+    settings = " ".join(f"--set {name}={value}" for name, value in instance.p.changed().items())
+    return f"refdem run {instance.case.id} {settings}".strip()
 
 
 def _shown(value: Any) -> Any:
