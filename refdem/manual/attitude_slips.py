@@ -22,18 +22,23 @@ def orthogonal_columns_and_determinant() -> Measured:
     """What a matrix with orthogonal columns and determinant 1 does to a length, and what a mirror
     with determinant -1 does.
     """
-    stretch = np.diag([2.0, 0.5])
-    mirror = np.array([[0.0, 1.0], [1.0, 0.0]])
     e_x = np.array([1.0, 0.0])
+    # A = diag(2, 1/2) has columns with a . b = 0, and det A = 2 x 1/2 = 1, but |A e_x| = 2.
+    stretch = np.diag([2.0, 0.5])
+    column_a, column_b = stretch.T
+    scalar_product = float(column_a @ column_b)
+    stretch_determinant = float(np.linalg.det(stretch))
+    stretched_length = norm(stretch @ e_x)
+    # M (x, y) = (y, x) has det M = -1, and |M e_x| = |e_y| = 1.
+    mirror = np.array([[0.0, 1.0], [1.0, 0.0]])
+    mirror_determinant = float(np.linalg.det(mirror))
+    mirrored_length = norm(mirror @ e_x)
     return (
-        (
-            "scalar product of the columns of diag(2, 1/2)",
-            number(float(stretch[:, 0] @ stretch[:, 1])),
-        ),
-        ("its determinant", number(float(np.linalg.det(stretch)))),
-        ("|diag(2, 1/2) e_x|", number(norm(stretch @ e_x))),
-        ("determinant of the mirror that exchanges x and y", number(float(np.linalg.det(mirror)))),
-        ("|mirror e_x|", number(norm(mirror @ e_x))),
+        ("scalar product of the columns of diag(2, 1/2)", number(scalar_product)),
+        ("its determinant", number(stretch_determinant)),
+        ("|diag(2, 1/2) e_x|", number(stretched_length)),
+        ("determinant of the mirror that exchanges x and y", number(mirror_determinant)),
+        ("|mirror e_x|", number(mirrored_length)),
     )
 
 
