@@ -84,24 +84,34 @@ def quaternion(rotation):
     The largest of |w|, |x|, |y|, |z| comes from the diagonal, the others from it (Shepperd 1978).
     """
     (r00, r01, r02), (r10, r11, r12), (r20, r21, r22) = rotation
+    # Four times the square of each component, from the diagonal.
     squares = {
         "w": 1 + r00 + r11 + r22,
         "x": 1 + r00 - r11 - r22,
         "y": 1 - r00 + r11 - r22,
         "z": 1 - r00 - r11 + r22,
     }
-    largest = max(squares, key=squares.get)
-    # Four times the product of the largest with each of the four.
+    # Four times the products w x, w y, w z and x y, x z, y z, from the pairs across it.
+    wx = r21 - r12
+    wy = r02 - r20
+    wz = r10 - r01
+    xy = r01 + r10
+    xz = r02 + r20
+    yz = r12 + r21
+    # Four times the products of one component with all four (w, x, y, z).
     products = {
-        "w": {"w": squares["w"], "x": r21 - r12, "y": r02 - r20, "z": r10 - r01},
-        "x": {"w": r21 - r12, "x": squares["x"], "y": r01 + r10, "z": r02 + r20},
-        "y": {"w": r02 - r20, "x": r01 + r10, "y": squares["y"], "z": r12 + r21},
-        "z": {"w": r10 - r01, "x": r02 + r20, "y": r12 + r21, "z": squares["z"]},
-    }[largest]
+        "w": (squares["w"], wx, wy, wz),
+        "x": (wx, squares["x"], xy, xz),
+        "y": (wy, xy, squares["y"], yz),
+        "z": (wz, xz, yz, squares["z"]),
+    }
+    largest = max(squares, key=squares.get)
+    w, x, y, z = products[largest]
+    # (4 q_k q)/(4 |q_k|) is q or -q, with 4 |q_k| = 2 sqrt(4 q_k^2).
     scale = 0.5 / squares[largest] ** 0.5
-    if products["w"] < 0:
+    if w < 0:
         scale = -scale
-    return tuple(scale * products[name] for name in "wxyz")
+    return (scale * w, scale * x, scale * y, scale * z)
 
 
 def matrix(q):
