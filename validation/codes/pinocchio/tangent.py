@@ -116,14 +116,12 @@ class Tangent:
         turn = rows(self.world, self.world.joints[number])
         w, x, y, z = body["attitude"]
         dw, dx, dy, dz = self.of_body(number, "attitude")
+        # The vector of q* dq, with q = (w, r): w dr - r dw - r x dr.
+        vector_x = w * dx - x * dw - y * dz + z * dy
+        vector_y = w * dy - y * dw - z * dx + x * dz
+        vector_z = w * dz - z * dw - x * dy + y * dx
         # The rotation in body axes is the vector of 2 q* dq; a change of |q| is no rotation.
-        rotation = 2 * np.array(
-            [
-                w * dx - x * dw - y * dz + z * dy,
-                w * dy - y * dw - z * dx + x * dz,
-                w * dz - z * dw - x * dy + y * dx,
-            ]
-        )
+        rotation = 2 * np.array([vector_x, vector_y, vector_z])
         to_body = pin.Quaternion(w, x, y, z).toRotationMatrix().T
         omega = to_body @ np.array(body["omega"])
         self.dq[turn] = rotation
