@@ -179,18 +179,12 @@ class Packed:
         if law:
             self.pairs = pairs(scene)
         fields: dict[str, Any] = {
-            "mass": bodies.mass,
-            # 1/m and 1/J are 0 for fixed bodies, which no force moves.
-            "inverse_mass": np.where(bodies.fixed, 0.0, 1.0 / bodies.mass),
-            "inverse_inertia": _turn_ease(bodies),
-            "radius": bodies.radius,
-            "gravity": gravity(scene),
-            "gm": sum(field.gm for field in scene.all(CentralField)),
             "pair": self.pairs,
-            "bodies": len(bodies),
             "pairs": len(self.pairs),
             "turning": self.turning,
         }
+        fields |= _body_fields(bodies)
+        fields |= _gravity_fields(scene)
         fields |= _element_fields(scene, origin)
         if law:
             fields |= _law_fields(law)
@@ -207,6 +201,25 @@ class Packed:
             columns += [bodies.omega, bodies.attitude]
         flat = np.concatenate([column.ravel() for column in columns])
         return np.concatenate([flat, np.zeros(length - len(flat))])
+
+
+def _body_fields(bodies: Bodies) -> dict[str, Any]:
+    """Bodies as fields of the kernel's struct; 1/m and 1/J are 0 for fixed ones, which no force
+    moves.
+    """
+    return {
+        "mass": bodies.mass,
+        "inverse_mass": np.where(bodies.fixed, 0.0, 1.0 / bodies.mass),
+        "inverse_inertia": _turn_ease(bodies),
+        "radius": bodies.radius,
+        "bodies": len(bodies),
+    }
+
+
+def _gravity_fields(scene: Scene) -> dict[str, Any]:
+    """The acceleration of uniform gravity (3,) [m/s^2], and GM [m^3/s^2] of all central fields."""
+    gm = sum(field.gm for field in scene.all(CentralField))
+    return {"gravity": gravity(scene), "gm": gm}
 
 
 def _turn_ease(bodies: Bodies) -> Array:
