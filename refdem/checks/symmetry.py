@@ -34,7 +34,7 @@ from refdem.core.judgement import (
     undecided,
     worst,
 )
-from refdem.core.refinement import COUNTING_FLOOR, scored
+from refdem.core.refinement import COUNTING_FLOOR, clock, scored
 from refdem.core.trajectory import Trajectory
 from refdem.core.variant import Variant
 from refdem.scene import Polyhedron
@@ -415,23 +415,35 @@ def _growth_across(subject: Subject) -> Array:
 
 
 def round_off(subject: Subject, level: float, view: symmetry.Symmetry) -> float:
-    """Relative round-off of both runs of a level before it grows, 2 noise(h) s (1 + tau/h), where s
-    is the size of the numbers in the image relative to those of the scene.
+    """Relative round-off of both runs of a level before it grows, 2 (noise(h) + d) s, where s is
+    the size of the numbers in the image relative to those of the scene.
 
-    The factor 1 + tau/h is for methods with a fixed step that do not claim to conserve momentum:
-    these may compute velocities as differences of positions, as in Stoermer's rule v = (r' - r)/h.
-    A rounding error u r of a position then causes an error u r/h, which in units of the speed L/tau
-    is u r/L times tau/h.
+    Fixed steps from the same start to the same samples are summed to the same times, so that the
+    noise of the clock is left out unless the image has another clock.
+
+    The term d = round_off(h) tau/h is for methods with a fixed step that do not claim to conserve
+    momentum: these may compute velocities as differences of positions, as in Stoermer's rule
+    v = (r' - r)/h. A rounding error u r of a position then causes an error u r/h, which in units of
+    the speed L/tau is u r/L times tau/h.
 
     A change of units rounds the moments of inertia again, which is visible for very slender bodies.
     """
-    # 2 noise s.
-    rounding = 2 * subject.noise(level) * symmetry.size(subject.instance, view)
-    if subject.method.control == "step" and "momentum" not in subject.method.conserves:
-        rounding *= 1.0 + subject.instance.scales.tau / level
+    method = subject.method
+    noise = subject.noise(level)
+    if method.control == "step" and has_same_clock(view):
+        noise -= clock(subject.instance, method, level)
+    if method.control == "step" and "momentum" not in method.conserves:
+        noise += subject.round_off(level) * subject.instance.scales.tau / level
+    # 2 (noise + d) s.
+    rounding = 2 * noise * symmetry.size(subject.instance, view)
     if view.units != symmetry.Symmetry().units:
-        rounding += subject.method.round_off * symmetry.rounded_rates(subject.instance)
+        rounding += method.round_off * symmetry.rounded_rates(subject.instance)
     return rounding
+
+
+def has_same_clock(view: symmetry.Symmetry) -> bool:
+    """True if the image has the sample times of the scene."""
+    return view.delay == 0.0 and view.units[2] == 1.0
 
 
 def allowed(subject: Subject, view: symmetry.Symmetry, growth: Array) -> Array:
