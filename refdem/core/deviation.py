@@ -14,11 +14,12 @@ from refdem.errors import OutOfRangeError
 class Deviation(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """A failing value that is accepted within [low, high] for these versions ("4.*").
 
-    `parameters` is the part of the label in brackets. Names may be patterns with * and ?.
+    `parameters` is the part of the label in brackets, or a list of such parts. Names may be
+    patterns with *, ? and [].
     """
 
     case: str
-    parameters: str = "*"
+    parameters: str | tuple[str, ...] = "*"
     method: str
     check: str
     quantity: str
@@ -43,6 +44,13 @@ class Deviation(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields
                     f"{name} is empty; an expected deviation says where it holds, and why"
                 )
 
+    @property
+    def _patterns(self) -> tuple[str, ...]:
+        """The patterns of the parameters."""
+        if isinstance(self.parameters, str):
+            return (self.parameters,)
+        return self.parameters
+
     def covers(self, record: Record, finding: Finding) -> bool:
         """True if the deviation is about this finding."""
         # The label is case[parameters].
@@ -53,5 +61,5 @@ class Deviation(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields
             and fnmatchcase(finding.quantity, self.quantity)
             and fnmatchcase(record.method, self.method)
             and fnmatchcase(record.version, self.versions)
-            and fnmatchcase(parameters, self.parameters)
+            and any(fnmatchcase(parameters, pattern) for pattern in self._patterns)
         )

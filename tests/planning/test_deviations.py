@@ -1,5 +1,6 @@
 """Expected deviations excuse what lies in their range, and nothing else."""
 
+import msgspec
 import pytest
 
 from refdem.core.deviation import Deviation
@@ -52,6 +53,20 @@ def test_a_value_is_excused_only_inside_the_range(value, outcome):
     finding = applied(record(value), [DEVIATION]).findings[0]
     assert finding.outcome == outcome
     assert "it is soft" in finding.sentence
+
+
+@pytest.mark.parametrize(
+    ("label", "outcome"),
+    [
+        ("pendulum", "expected"),
+        ("pendulum[theta0=2]", "expected"),
+        ("pendulum[theta0=3]", "fail"),
+        ("pendulum[theta0=2 samples=8]", "fail"),
+    ],
+)
+def test_a_deviation_names_several_settings(label, outcome):
+    several = msgspec.structs.replace(DEVIATION, parameters=("", "theta0=[12]"))
+    assert applied(record(0.2, label=label), [several]).findings[0].outcome == outcome
 
 
 @pytest.mark.parametrize(

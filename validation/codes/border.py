@@ -9,11 +9,29 @@ from pathlib import Path
 HEADER = "t,body,x,y,z,vx,vy,vz,qw,qx,qy,qz,wx,wy,wz"
 
 
+NOT_SUPPORTED = 77
+"""The exit status of a program that cannot run the scene of its request."""
+
+
+class UnsupportedError(Exception):
+    """The code cannot run this scene; the text says why."""
+
+
 def cannot(condition, why):
-    """Ends with status 77, said on stderr, if the code cannot say what the scene says."""
+    """Raises UnsupportedError if the code cannot say what the scene says."""
     if condition:
-        print(why, file=sys.stderr)
-        sys.exit(77)
+        raise UnsupportedError(why)
+
+
+def ends(main, *words):
+    """Calls `main(*words)`; a scene that is not supported ends with NOT_SUPPORTED, its reason on
+    stderr.
+    """
+    try:
+        main(*words)
+    except UnsupportedError as reason:
+        print(reason, file=sys.stderr)
+        sys.exit(NOT_SUPPORTED)
 
 
 def read(path):
@@ -30,14 +48,14 @@ def of_kind(request, kind):
 
 
 def refuse_kinds(request, *known):
-    """Ends with status 77 for an element of another kind, and for bodies that are fixed."""
+    """Raises UnsupportedError for an element of another kind, and for bodies that are fixed."""
     for element in request["scene"]["elements"]:
         cannot(element["kind"] not in known, f"{element['kind']} is not among {', '.join(known)}")
     cannot(any(body["fixed"] for body in request["scene"]["bodies"]), "fixed bodies")
 
 
 def refuse_shapes(request):
-    """Ends with status 77 for a body that is neither a point nor a solid sphere."""
+    """Raises UnsupportedError for a body that is neither a point nor a solid sphere."""
     for body in request["scene"]["bodies"]:
         moment = 0.4 * body["mass"] * body["shape"].get("radius", 0.0) ** 2
         cannot(body["shape"]["kind"] == "polyhedron", "polyhedra")
@@ -47,10 +65,16 @@ def refuse_shapes(request):
         )
 
 
-def contact_law(request):
-    """The linear contact law, or None; ends with status 77 for another."""
+def contact_law(request, *known):
+    """The contact law, or None; raises UnsupportedError unless it is one of `known`, or linear if
+    none are named.
+    """
+    known = known or ("linear",)
     laws = of_kind(request, "contact")
-    cannot(any(law["law"] != "linear" for law in laws), "contact laws other than the linear one")
+    cannot(
+        any(law["law"] not in known for law in laws),
+        f"contact laws other than {' and '.join(known)}",
+    )
     if laws:
         return laws[0]
     return None

@@ -11,19 +11,7 @@ from functools import partial
 from pathlib import Path
 
 import border
-
-NOT_SUPPORTED = 77
-"""The exit status of a program that cannot run the scene that it was asked for."""
-
-
-class UnsupportedError(Exception):
-    """The code cannot run this scene; the text says why."""
-
-
-def cannot(condition, why):
-    """Raises UnsupportedError if the code cannot say what the scene says."""
-    if condition:
-        raise UnsupportedError(why)
+from border import UnsupportedError, cannot
 
 
 class Scene:
@@ -197,11 +185,7 @@ def run(solve, *known):
     `solve(scene)` fills `scene.rows`; scenes with elements of kinds other than `known` are refused.
     """
     if len(sys.argv) > 2:
-        try:
-            answer(solve, known, sys.argv[1:])
-        except UnsupportedError as reason:
-            print(reason, file=sys.stderr)
-            sys.exit(NOT_SUPPORTED)
+        border.ends(answer, solve, known, sys.argv[1:])
         return
     said({"ready": True})
     for line in sys.stdin:

@@ -11,7 +11,7 @@ def is_along_an_axis(plane):
 
 
 def reach(request, plane):
-    """Distance [m] from a plane's point that no body passes; ends with status 77 for a body that
+    """Distance [m] from a plane's point that no body passes; UnsupportedError for a body that
     starts behind the plane, which a triangle would push the other way.
 
     r = 2 (x0 + R + (v + g T) T), twice the way of the fastest body.

@@ -157,4 +157,4 @@ def main(request_json, trajectory):
 
 
 if __name__ == "__main__":
-    main(*sys.argv[1:])
+    border.ends(main, *sys.argv[1:])

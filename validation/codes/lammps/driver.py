@@ -1,16 +1,20 @@
-"""A scene in LAMMPS: driver.py LMP request.json trajectory.csv; what its words cannot say exactly
-ends with status 77.
+"""Scenes in LAMMPS: driver.py LMP answers requests until standard input ends, driver.py LMP
+request.json trajectory.csv one, and driver.py LMP version names the version.
 
-LAMMPS keeps no attitude of spheres: the trajectory has the one at the start.
+One LAMMPS runs all scenes, each from a clear start. It keeps no attitude of spheres: the trajectory
+has the one at the start.
 """
 
 import os
 import subprocess
 import sys
+import time
+from functools import partial
 from pathlib import Path
 
 sys.path[:0] = [str(Path(__file__).resolve().parents[1]), str(Path(__file__).resolve().parent)]
 import border  # noqa: E402
+import served  # noqa: E402
 from border import cannot  # noqa: E402
 from elements import contact, joined, pushes  # noqa: E402
 
@@ -22,6 +26,10 @@ START = (
     f"units si\natom_modify map array\nboundary f f f\nneighbor {BOX!r} nsq\nneigh_modify delay 0"
     " every 1 check yes"
 )
+KINDS = ("contact", "plane", "uniform_gravity", "spring", "central_field")
+PAUSE = 5e-4
+"""Time [s] between two looks for the end of a run."""
+DUMP = "dump.lammps"
 METHODS = {"gran": ("gran", "rigid/nve"), "granular": ("granular", "rigid")}
 """Pair style, and fix for bodies that are no spheres: LAMMPS has two codes for either."""
 ATOM = "id x y z vx vy vz omegax omegay omegaz"
@@ -48,7 +56,6 @@ def data(kind, atoms, speeds):
 def spheres(request, pair):
     """Input for points and solid spheres; a sphere of diameter 0 has its density for mass."""
     border.refuse_shapes(request)
-    border.refuse_kinds(request, "contact", "plane", "uniform_gravity", "spring", "central_field")
     bodies = request["scene"]["bodies"]
     atoms = [
         f"{n} 1 {2 * b['shape'].get('radius', 0.0)!r} 1.0 {joined(b['position'])}"
@@ -105,47 +112,84 @@ def rigid(request, fix):
     )
 
 
-def said(lmp, *arguments):
-    """What LAMMPS says when it runs; ends with that if it went wrong.
+class Lammps:
+    """A LAMMPS that takes its commands from a pipe, and is started again after it has ended."""
 
-    Open MPI's runs disturb each other in one TMPDIR.
+    def __init__(self, program):
+        self.program = program
+        self.process = None
+
+    def run(self, script):
+        """Runs the commands of a script from a clear start; raises RuntimeError with the end of
+        what LAMMPS printed if it ended meanwhile.
+        """
+        end, screen = Path("end"), Path("screen")
+        end.unlink(missing_ok=True)
+        if self.process is None or not screen.exists():
+            self.start(screen)
+        self.process.stdin.write(f'clear\n{script}\nprint "" file {end} screen no\n')
+        self.process.stdin.flush()
+        while not end.exists():
+            if self.process.poll() is not None:
+                self.process = None
+                raise RuntimeError(screen.read_text()[-2000:])
+            time.sleep(PAUSE)
+
+    def start(self, screen):
+        """Starts the program in the working directory."""
+        if self.process is not None:
+            self.process.kill()
+        with screen.open("w") as printed:
+            self.process = subprocess.Popen(
+                [self.program, "-log", "none"],
+                env=environment(),
+                stdin=subprocess.PIPE,
+                stdout=printed,
+                stderr=subprocess.STDOUT,
+                text=True,
+            )
+
+
+def environment():
+    """The environment of LAMMPS: one thread, and a TMPDIR of its own, since runs of Open MPI in one
+    TMPDIR disturb each other.
     """
-    environment = os.environ | {
+    return os.environ | {
         "OMP_NUM_THREADS": "1",
         "LD_LIBRARY_PATH": f"{sys.prefix}/lib",
         "TMPDIR": str(Path.cwd()),
     }
-    done = subprocess.run([lmp, *arguments], env=environment, capture_output=True, text=True)
-    if done.returncode != 0 or "ERROR" in done.stdout + done.stderr:
-        sys.exit((done.stdout + done.stderr)[-2000:])
-    return done.stdout
 
 
-def main(lmp, request_json, trajectory):
-    """Reads the request, runs it and writes the trajectory."""
-    request, step, stride = border.read(request_json)
-    bodies = request["scene"]["bodies"]
-    times = request["times"]
-    (pair, fix) = METHODS[request["method"]]
+def version(program):
+    """The name of the version, from the first line of the help."""
+    done = subprocess.run(
+        [program, "-h"], env=environment(), capture_output=True, text=True, check=True
+    )
+    title = next(line for line in done.stdout.splitlines() if line.strip())
+    return f"LAMMPS {title.partition(' - ')[2]}"
+
+
+def solve(lammps, scene):
+    """Runs a scene and keeps its rows."""
+    request, bodies, times = scene.request, scene.bodies, scene.times
+    cannot(times[1] < times[0], "negative steps")
+    (pair, fix) = METHODS[scene.method]
     turning = any(body["shape"]["kind"] == "point" and any(body["inertia"]) for body in bodies)
-    script = [*(rigid(request, fix) if turning else spheres(request, pair))]
     if turning:
         columns = " ".join(f"c_body[{k}]" for k in range(1, 15))
+        commands = [*rigid(request, fix), f"dump d all local {scene.stride} {DUMP} {columns}"]
     else:
-        columns = ATOM
-    dump = (
-        f"dump d all {'local' if turning else 'custom'} {stride} dump.lammps {columns}\ndump_modify"
-        " d format float %.17g"
-    )
-    script += [
-        dump + ("" if turning else " sort id"),
+        commands = [*spheres(request, pair), f"dump d all custom {scene.stride} {DUMP} {ATOM}"]
+    commands += [
+        "dump_modify d format float %.17g" + ("" if turning else " sort id"),
         "thermo_modify lost error",
-        f"timestep {step!r}",
-        f"run {stride * (len(times) - 1)}",
+        f"timestep {scene.step!r}",
+        f"run {scene.stride * (len(times) - 1)}",
+        "undump d",
     ]
-    Path("in.lammps").write_text("\n".join(script) + "\n")
-    said(lmp, "-in", "in.lammps", "-log", "none")
-    border.write(trajectory, rows(bodies, times, turning))
+    lammps.run("\n".join(commands))
+    scene.rows.extend(rows(bodies, times, turning))
 
 
 def rows(bodies, times, turning):
@@ -153,9 +197,7 @@ def rows(bodies, times, turning):
 
     LAMMPS may order a body's principal axes its own way, which the start tells.
     """
-    frames = [
-        frame.split("\n") for frame in Path("dump.lammps").read_text().split("ITEM: TIMESTEP\n")[1:]
-    ]
+    frames = [frame.split("\n") for frame in Path(DUMP).read_text().split("ITEM: TIMESTEP\n")[1:]]
     table = [
         sorted([float(x) for x in line.split()] for line in frame[8:] if line) for frame in frames
     ]
@@ -176,8 +218,9 @@ def rows(bodies, times, turning):
 
 
 if __name__ == "__main__":
-    if len(sys.argv) == 2:
-        title = next(line for line in said(sys.argv[1], "-h").splitlines() if line.strip())
-        print("LAMMPS", title.partition(" - ")[2])
+    program = sys.argv.pop(1)
+    if sys.argv[1:] == ["version"]:
+        # Standard output is for answers alone.
+        print(version(program), file=served.ANSWERS)
     else:
-        main(*sys.argv[1:])
+        served.run(partial(solve, Lammps(program)), *KINDS)

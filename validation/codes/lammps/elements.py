@@ -6,15 +6,27 @@ import border
 from border import cannot
 
 LAWS = {
-    "gran": (
+    ("gran", "linear"): (
         "gran/hooke/history {stiffness!r} {tangential_stiffness!r} {per_mass!r} 0 {friction!r} 0"
     ),
-    "granular": (
+    ("gran", "hertz"): (
+        "gran/hertz/history {stiffness!r} {tangential_stiffness!r} {per_mass!r} 0 {friction!r} 0"
+    ),
+    ("granular", "linear"): (
         "granular hooke {stiffness!r} {damping!r} tangential linear_history"
         " {tangential_stiffness!r} 0 {friction!r} damping velocity"
     ),
+    ("granular", "hertz"): (
+        "granular hertz {stiffness!r} {damping!r} tangential mindlin"
+        " {tangential_stiffness!r} 0 {friction!r} damping velocity"
+    ),
 }
-"""No tangential damping; that along the normal is per effective mass in `gran`."""
+"""By method and law. No tangential damping; that along the normal is per effective mass in `gran`.
+
+Under Hertz's law both methods have F_n = k_n sqrt(R d) d and F_t = k_t sqrt(R d) s, with the
+effective radius R, the overlap d and the slip s: k_n and k_t are the stiffnesses divided by
+sqrt(R).
+"""
 BRANCHES = {"gran": "R", "granular": "slip-R"}
 """The levers of friction in pairs: `gran` has R for slip and for torque, `granular` has R for slip
 and R - d/2 for torque. At walls both have R for both.
@@ -29,36 +41,47 @@ def joined(numbers):
     return " ".join(map(repr, numbers))
 
 
-def law(c, method, masses, planes):
-    """Name and numbers of a linear law."""
-    effective = {a * b / (a + b) for a, b in combinations(masses, 2)} | (
-        set(masses) if planes else set()
-    )
+def combined(values, planes):
+    """The effective values a b/(a + b) of all pairs, and the values themselves at planes."""
+    pairs = {a * b / (a + b) for a, b in combinations(values, 2)}
+    return pairs | set(values) if planes else pairs
+
+
+def refuse_friction(c, method, count, planes):
+    """Ends with status 77 for friction that the methods do not have."""
     cannot(
-        c["friction"] > 0 and c["tangential_stiffness"] == 0,
+        c["tangential_stiffness"] == 0,
         "friction of full size at any slip: it goes through a tangential spring",
     )
     cannot(
-        c["friction"] > 0 and method == "granular" and planes and len(masses) > 1,
+        method == "granular" and planes and count > 1,
         "friction in granular at walls and in pairs: its torque has the lever R at walls only",
     )
     branch = "R" if planes else BRANCHES[method]
+    cannot(c["branch"] != branch, f"friction in {method} with another branch than {branch}")
     cannot(
-        c["friction"] > 0 and c["branch"] != branch,
-        f"friction in {method} with another branch than {branch}",
-    )
-    pulls = c["damping"] > 0 and c["cutoff"] == "zero_overlap"
-    cannot(
-        c["friction"] > 0 and pulls,
+        c["damping"] > 0 and c["cutoff"] == "zero_overlap",
         "no friction while the normal force pulls: the limit is friction times its size",
     )
+
+
+def law(c, method, bodies, planes):
+    """Name and numbers of a law."""
+    masses = combined([body["mass"] for body in bodies], planes)
+    if c["friction"] > 0:
+        refuse_friction(c, method, len(bodies), planes)
     cannot(
-        method == "gran" and c["damping"] > 0 and len(effective) > 1,
+        method == "gran" and c["damping"] > 0 and len(masses) > 1,
         "one damping for unequal pairs: it is per effective mass",
     )
     # Of 0 at a wall comes NaN (reports/findings.md); LEAST changes no digit.
-    per_mass = c["damping"] / max(effective, default=1.0) or LEAST * bool(planes)
-    words = LAWS[method].format(**c, per_mass=per_mass)
+    per_mass = c["damping"] / max(masses, default=1.0) or LEAST * bool(planes)
+    if c["law"] == "hertz":
+        radii = combined([body["shape"].get("radius", 0.0) for body in bodies], planes)
+        cannot(len(radii) > 1, "one stiffness for pairs of unequal effective radius")
+        root = max(radii) ** 0.5
+        c = c | {name: c[name] / root for name in ("stiffness", "tangential_stiffness")}
+    words = LAWS[method, c["law"]].format(**c, per_mass=per_mass)
     return words + " limit_damping" * (c["cutoff"] == "zero_force")
 
 
@@ -79,13 +102,13 @@ def wall(n, plane, words):
 def contact(request, method):
     """The commands for the pair style and the walls."""
     planes = border.of_kind(request, "plane")
-    found = border.contact_law(request)
+    found = border.contact_law(request, "linear", "hertz")
     if found is None:
         cannot(planes, "planes without a contact law")
         cannot(method == "granular", "nothing can touch: this is the same as gran")
         yield "pair_style zero 1.0\npair_coeff * *"
         return
-    words = law(found, method, [body["mass"] for body in request["scene"]["bodies"]], planes)
+    words = law(found, method, request["scene"]["bodies"], planes)
     style, _, numbers = words.partition(" ")
     yield (
         f"pair_style {style}\npair_coeff * * {numbers}"

@@ -222,4 +222,4 @@ if __name__ == "__main__":
     if len(sys.argv) == 2:
         print(version(sys.argv[1]))
     else:
-        main(*sys.argv[1:])
+        border.ends(main, *sys.argv[1:])

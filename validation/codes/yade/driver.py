@@ -161,4 +161,4 @@ def main(request_json, trajectory):
     border.write(trajectory, ((times[sample], *row) for sample, *row in ROWS))
 
 
-main(*sys.argv[1:])
+border.ends(main, *sys.argv[1:])
