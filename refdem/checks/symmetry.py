@@ -338,8 +338,8 @@ class Level:
         if truth is None or image is None or not has_crossings(subject.instance.scene):
             return least
         for run, other in ((self.plain, image), (image, self.plain)):
-            for seen in nearest_velocities(subject, self.level, run, truth, bounds):
-                least = np.minimum(least, distances(subject.instance, seen, other))
+            for replaced in nearest_velocities(subject, self.level, run, truth, bounds):
+                least = np.minimum(least, distances(subject.instance, replaced, other))
         return least
 
 
