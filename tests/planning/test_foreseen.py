@@ -3,7 +3,7 @@
 import pytest
 
 from refdem.core import discovery
-from refdem.core.resolution import Resolution, Seen
+from refdem.core.resolution import NumberResolution, Resolution
 from refdem.faults.numbers import numbers
 from refdem.planning.foreseen import (
     NO_DERIVATIVE,
@@ -99,7 +99,10 @@ def test_a_number_that_is_no_smaller_than_a_scene_allows_is_still_known():
 
 
 def test_it_stands_beside_what_was_measured():
-    seen = (Seen(number="mass", smallest=1e-9, by="error/x"), Seen(number="exponent of the spring"))
+    seen = (
+        NumberResolution(number="mass", smallest=1e-9, by="error/x"),
+        NumberResolution(number="exponent of the spring"),
+    )
     measured = Resolution(
         label="harmonic-oscillator[mass=2]", engine="rebound", method="leapfrog", numbers=seen
     )

@@ -13,7 +13,7 @@ from refdem.execution.spool import Spool, spool
 from refdem.planning import judging, plan
 from refdem.planning.in_process import run_of
 from refdem.planning.records import records
-from refdem.planning.runs import Asked, Runner
+from refdem.planning.runs import RequestedRun, Runner
 from refdem.planning.specification import Entry, Specification
 
 
@@ -24,9 +24,9 @@ class Backwards(Runner):
         object.__setattr__(self, "spool", spool)
         object.__setattr__(self, "told", told)
 
-    def runs(self, asked: list[Asked], stage: str) -> Iterator[tuple[Asked, Run]]:
+    def runs(self, requested: list[RequestedRun], stage: str) -> Iterator[tuple[RequestedRun, Run]]:
         """The runs in the opposite order."""
-        for one in reversed(asked):
+        for one in reversed(requested):
             made = run_of(one.task.engine, one.request)
             assert made.trajectory is not None
             self.spool.keep(one.key, made.trajectory.to_bytes())

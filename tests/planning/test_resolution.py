@@ -7,7 +7,7 @@ from msgspec.structs import replace
 from refdem.core import discovery
 from refdem.core.finding import Finding
 from refdem.core.problem import Request
-from refdem.core.resolution import Resolution, Seen
+from refdem.core.resolution import NumberResolution, Resolution
 from refdem.core.run import Failure
 from refdem.core.store import Store
 from refdem.execution.schedule import InProcess
@@ -39,24 +39,24 @@ def test_a_threshold_is_found_whatever_the_power_with_which_errors_grow(limit, p
 
     found = threshold(trial, trial(FIRST))
     assert found.by == "error/x"
-    assert limit < found.seen <= CLOSE * limit * (1 + 1e-12)
+    assert limit < found.detected <= CLOSE * limit * (1 + 1e-12)
     if power == 1.0:
         assert len(trials) <= 8
 
 
 def test_what_no_finding_fails_up_to_all_of_the_number_is_not_seen():
-    assert threshold(lambda amount: judged(0.5), judged(0.5)).seen is None
+    assert threshold(lambda amount: judged(0.5), judged(0.5)).detected is None
 
 
 def test_what_always_fails_is_seen_at_the_least_misreading():
     found = threshold(lambda amount: judged(np.inf), judged(np.inf))
-    assert found.seen == pytest.approx(LEAST)
+    assert found.detected == pytest.approx(LEAST)
 
 
 def test_a_trial_above_the_smallest_one_changes_nothing():
-    found = Threshold(unseen=1e-4, seen=1e-3, by="error/x")
+    found = Threshold(undetected=1e-4, detected=1e-3, by="error/x")
     found.add(1e-2, judged(100.0))
-    assert (found.unseen, found.seen) == (1e-4, 1e-3)
+    assert (found.undetected, found.detected) == (1e-4, 1e-3)
 
 
 def seen_by_number(label, engine, method, **given):
@@ -141,9 +141,9 @@ def test_longer_rods_hold_their_bodies_farther_out():
 
 def test_the_sentence_names_what_is_seen_first_and_what_is_not_with_its_reason():
     found = [
-        Seen(number="friction", smallest=0.02, by="error/x"),
-        Seen(number="inertia of body 1", reason="it never spins"),
-        Seen(number="restitution", smallest=0.003, by="error/x"),
+        NumberResolution(number="friction", smallest=0.02, by="error/x"),
+        NumberResolution(number="inertia of body 1", reason="it never spins"),
+        NumberResolution(number="restitution", smallest=0.003, by="error/x"),
     ]
     given = {"label": "case", "engine": "code", "method": "euler"}
     assert Resolution(numbers=tuple(found), **given).sentence == (
