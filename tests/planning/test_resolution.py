@@ -61,9 +61,9 @@ def test_a_trial_above_the_smallest_one_changes_nothing():
 
 def seen_by_number(label, engine, method, **given):
     instance = discovery.case(label).at(**given)
-    asked = Specification(name="test", case=[], levels=4, method=method)
-    found = resolution(asked, discovery.engine(engine), instance, truth_of(instance))
-    return {seen.number: seen for seen in found.numbers}
+    specification = Specification(name="test", case=[], levels=4, method=method)
+    found = resolution(specification, discovery.engine(engine), instance, truth_of(instance))
+    return {entry.number: entry for entry in found.numbers}
 
 
 def test_a_free_body_shows_its_moments_and_its_spin_and_never_its_mass():
@@ -88,11 +88,11 @@ def test_a_method_that_fails_anyway_notices_nothing():
     """Its step is far too large for the order that it claims."""
     instance = discovery.case("pendulum").at()
     engine = discovery.engine("pymunk")
-    asked = Specification(name="test", case=[], levels=4, method="semi-implicit-euler")
+    specification = Specification(name="test", case=[], levels=4, method="semi-implicit-euler")
     truth = truth_of(instance)
     wrong = {name: [value + 0.1 for value in values] for name, values in truth.values.items()}
-    found = resolution(asked, engine, instance, replace(truth, values=wrong))
-    assert {seen.reason for seen in found.numbers} == {"a finding fails without any misreading"}
+    found = resolution(specification, engine, instance, replace(truth, values=wrong))
+    assert {entry.reason for entry in found.numbers} == {"a finding fails without any misreading"}
 
 
 def test_a_deviation_that_is_expected_hides_nothing_else():
@@ -224,8 +224,10 @@ def nothing(stage, done, total):
 
 def test_only_checks_that_read_plain_runs_count():
     instance = discovery.case("free-rigid-body").at()
-    asked = Specification(name="test", case=[], levels=3, method="rk4")
-    (task,) = plan.tasks(asked, instance, (), discovery.engine("mujoco"), truth_of(instance), "")
+    specification = Specification(name="test", case=[], levels=3, method="rk4")
+    (task,) = plan.tasks(
+        specification, instance, (), discovery.engine("mujoco"), truth_of(instance), ""
+    )
     from refdem.planning.resolution import checks_of_plain_runs
 
     names = checks_of_plain_runs(task)

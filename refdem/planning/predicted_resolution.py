@@ -90,7 +90,7 @@ def beside(specification: Specification, found: Resolution) -> Resolution:
     narrow = specification.of_one(instance, found.method)
     engine = discovery.engine(found.engine)
     try:
-        of_numbers = foreseen(narrow, engine, instance, truth_of(instance))
+        of_numbers = predicted(narrow, engine, instance, truth_of(instance))
     except NotCertifiedError as error:
         of_numbers = tuple(
             NumberResolution(number=one.number, reason=str(error)) for one in found.numbers
@@ -107,7 +107,7 @@ def beside(specification: Specification, found: Resolution) -> Resolution:
     return msgspec.structs.replace(found, numbers=tuple(numbers))
 
 
-def foreseen(
+def predicted(
     specification: Specification, engine: Engine, instance: Instance, truth: SampledTruth
 ) -> tuple[NumberResolution, ...]:
     """The predicted resolution of the specified method for each number of the scene.
