@@ -13,7 +13,7 @@ in the impact. The claimed bound C (1 + t/tau) (h/tau)^p S covers it where t/tau
 soon after the start: a body that bounces off a wall has |dv| = (1 + e) v, up to 2 v.
 """
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from dataclasses import replace as replace_columns
 
@@ -24,7 +24,8 @@ from numpy.typing import NDArray
 from refdem.checks._crossings import Crossing, crossings, error_at, is_impact, shift
 from refdem.checks._impacts import falling, is_sequence
 from refdem.core.check import Array, Subject
-from refdem.core.judgement import difference, errors, made_of_velocities, room_of
+from refdem.core.judgement import certified, difference, errors, made_of_velocities, room_of
+from refdem.core.once import once_with_arguments
 from refdem.core.refinement import ROUND_OFF_FACTOR, steps_at
 from refdem.core.trajectory import Trajectory
 from refdem.core.truth import SampledTruth
@@ -34,16 +35,23 @@ Whole = NDArray[np.int64]
 Mask = NDArray[np.bool_]
 
 
-def errors_of(
-    subject: Subject, level: float, run: Trajectory, truth: SampledTruth
-) -> dict[str, Array]:
-    """`judgement.errors` of a run. At samples beside an impact a velocity has the smaller of its
-    errors against the truth of that sample and of the sample on the other side of the impact.
+def errors_of(subject: Subject, level: float, run: Trajectory) -> Mapping[str, Array]:
+    """`judgement.errors` of a run against the certified truth. At samples beside an impact a
+    velocity has the smaller of its errors against the truth of that sample and of the sample on the
+    other side of the impact.
 
     So a velocity must be the one after the impact or the one before it; places are judged as
     everywhere. Where a body has another impact between the two samples, neither of them shows its
     velocity between the two impacts: at the sample beside the impact that velocity is not judged.
     """
+    return _errors_of(run, subject, level)
+
+
+@once_with_arguments
+def _errors_of(run: Trajectory, subject: Subject, level: float) -> Mapping[str, Array]:
+    """The same, computed once for each run: the checks `error` and `order` both need it."""
+    truth = certified(subject)
+    assert truth is not None
     delay = subject.method.delay(level)
     scaled = errors(subject.instance, run, truth, delay)
     if not _meets(subject):

@@ -68,12 +68,12 @@ class Error(Check):
         if truth is None:
             return [undecided(self.name, "state", no_truth(subject))]
         # Scaled errors (until,) by level and quantity.
-        errors_at: dict[float, dict[str, Array]] = {}
+        errors_at: dict[float, Mapping[str, Array]] = {}
         # The errors (until,) that late impacts leave, likewise.
         left_at: dict[float, dict[str, Array]] = {}
         for level in subject.levels:
             run = runs[Variant(level)].trajectory
-            errors_at[level] = errors_of(subject, level, run, truth)
+            errors_at[level] = errors_of(subject, level, run)
             left_at[level] = left_by_late_impacts(subject, level, run, truth)
         names = list(errors_at[subject.levels[0]])
         if not names:

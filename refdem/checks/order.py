@@ -195,9 +195,7 @@ class Order(Check):
         is_passed = all(finding.outcome == "pass" for finding in findings)
         if not is_passed or findings[0].order_seen is None:
             return False
-        truth = certified(subject)
-        assert truth is not None
-        errors_at = _errors_at_levels(subject, runs, truth, subject.levels)
+        errors_at = _errors_at_levels(subject, runs, subject.levels)
         counting, common = _counting_levels(subject, subject.levels)
         largest = [_largest(errors_at[h], common) for h in counting]
         if len(counting) < FEWEST or min(largest) <= 0.0:
@@ -224,7 +222,7 @@ class Order(Check):
         """The findings from the runs of these levels; the subject has truth."""
         truth = certified(subject)
         assert truth is not None
-        errors_at = _errors_at_levels(subject, runs, truth, levels)
+        errors_at = _errors_at_levels(subject, runs, levels)
         if not errors_at[subject.levels[0]]:
             return [undecided(self.name, "state", MIXED)]
         state = self._state(subject, runs, truth, errors_at)
@@ -759,15 +757,12 @@ def _declaration_hint(subject: Subject, slope: float) -> str:
 
 
 def _errors_at_levels(
-    subject: Subject,
-    runs: Mapping[Variant, CompletedRun],
-    truth: SampledTruth,
-    levels: tuple[float, ...],
+    subject: Subject, runs: Mapping[Variant, CompletedRun], levels: tuple[float, ...]
 ) -> ErrorsByLevel:
     """Scaled errors of every quantity at these levels, coarse to fine; beside an impact those of a
     velocity against either side of it.
     """
-    return {h: errors_of(subject, h, runs[Variant(h)].trajectory, truth) for h in levels}
+    return {h: errors_of(subject, h, runs[Variant(h)].trajectory) for h in levels}
 
 
 def _largest(scaled: Mapping[str, Array], common: int) -> float:

@@ -17,6 +17,7 @@ from refdem.checks._crossings import has_crossings
 from refdem.checks._impacts import growth_across, is_sequence, listed
 from refdem.checks.contact_impulse import alternating_slip, slip_in_scales
 from refdem.core import symmetry
+from refdem.core.case import Instance
 from refdem.core.check import Array, Check, CompletedRun, Subject
 from refdem.core.finding import Finding
 from refdem.core.judgement import (
@@ -34,7 +35,8 @@ from refdem.core.judgement import (
     undecided,
     worst,
 )
-from refdem.core.refinement import COUNTING_FLOOR, scored
+from refdem.core.once import once_with_arguments
+from refdem.core.refinement import COUNTING_FLOOR, clock, scored
 from refdem.core.trajectory import Trajectory
 from refdem.core.variant import Variant
 from refdem.scene import Polyhedron
@@ -135,7 +137,7 @@ class Symmetry(Check):
         """True if an image differs by no more than the runs from perturbed starts allow, or has not
         been run.
         """
-        if Variant(level.level) not in level.runs or level.image(name) is None:
+        if Variant(level.level) not in level.runs or not level.has_image(name):
             return True
         return self._image(level, name).outcome == "pass"
 
@@ -150,7 +152,7 @@ class Symmetry(Check):
             # An engine may refuse an image only when it runs.
             if first.level != last.level and first.agrees_with(name):
                 findings.append(self._agreement(first, name))
-            elif last.image(name) is not None:
+            elif last.has_image(name):
                 findings.append(self._image(last, name))
         return findings or [
             undecided(
@@ -272,7 +274,7 @@ class Level:
     subject: Subject
     runs: Mapping[Variant, CompletedRun]
     level: float
-    _held: dict[str, Trajectory | None] = field(default_factory=dict, init=False)
+    _held: dict[str, Trajectory] = field(default_factory=dict, init=False)
     """The last image requested. Only one is kept, to limit the memory for a large gas."""
 
     @cached_property
@@ -286,36 +288,39 @@ class Level:
         moved = _least_moved(self.subject, self.runs, self.level)
         return growth_of(self.subject, self.level, moved, self.plain)
 
-    def image(self, name: str) -> Trajectory | None:
-        """The run of an image, transformed back; None if it was not made, or refused."""
+    def has_image(self, name: str) -> bool:
+        """True if an image was run, and not refused."""
+        return _image_of(self.level, name) in self.runs
+
+    def image(self, name: str) -> Trajectory:
+        """The run of an image, transformed back."""
         if name not in self._held:
             self._held.clear()
-            self._held[name] = self._transformed_back(name)
+            run = self.runs[_image_of(self.level, name)]
+            view = symmetry.of(self.subject.instance, name)
+            self._held[name] = view.undone(run.trajectory)
         return self._held[name]
-
-    def _transformed_back(self, name: str) -> Trajectory | None:
-        run = self.runs.get(Variant(self.level, name))  # type: ignore[arg-type]
-        if run is None:
-            return None
-        return symmetry.of(self.subject.instance, name).undone(run.trajectory)
 
     def compared(self, name: str) -> Compared:
         """An image, which was run, beside the plain run."""
-        image = self.image(name)
-        assert image is not None
         growth = self.growth
         if name == "rotated":
             growth = np.maximum(growth, _growth_across(self.subject))
         view = symmetry.of(self.subject.instance, name)
         rounding = round_off(self.subject, self.level, view) * growth
-        difference = distances(self.subject.instance, image, self.plain)
+        difference = _distance_of_image(
+            self.runs[_image_of(self.level, name)].trajectory,
+            self.plain,
+            self.subject.instance,
+            name,
+        )
         return Compared(difference, growth, rounding)
 
     def agrees_with(self, name: str) -> bool:
         """True if an image, transformed back, equals the plain run to round-off at every sample,
         and round-off is small enough at each for the comparison to count.
         """
-        if Variant(self.level) not in self.runs or self.image(name) is None:
+        if Variant(self.level) not in self.runs or not self.has_image(name):
             return False
         difference, _, rounding = self.compared(name)
         if scored(rounding) < len(rounding):
@@ -334,9 +339,9 @@ class Level:
         least = np.full(len(self.plain.t), np.inf)
         subject = self.subject
         truth = certified(subject)
-        image = self.image(name)
-        if truth is None or image is None or not has_crossings(subject.instance.scene):
+        if truth is None or not has_crossings(subject.instance.scene):
             return least
+        image = self.image(name)
         for run, other in ((self.plain, image), (image, self.plain)):
             for replaced in nearest_velocities(subject, self.level, run, truth, bounds):
                 least = np.minimum(least, distances(subject.instance, replaced, other))
@@ -345,7 +350,20 @@ class Level:
 
 def _images(level: float, names: Iterable[str]) -> tuple[Variant, ...]:
     """The images of these names at a level."""
-    return tuple(Variant(level, name) for name in names)  # type: ignore[arg-type]
+    return tuple(_image_of(level, name) for name in names)
+
+
+def _image_of(level: float, name: str) -> Variant:
+    """The image of this name at a level."""
+    return Variant(level, name)  # type: ignore[arg-type]
+
+
+@once_with_arguments
+def _distance_of_image(run: Trajectory, plain: Trajectory, instance: Instance, name: str) -> Array:
+    """Largest scaled difference (T,) between the plain run and the run of an image, transformed
+    back. It is computed once: both the further runs and the verdict follow from it.
+    """
+    return distances(instance, symmetry.of(instance, name).undone(run), plain)
 
 
 def _rotation_difference(
@@ -354,9 +372,9 @@ def _rotation_difference(
     """Largest scaled difference (T,) between the plain run at a level and the rotated one, rotated
     back.
     """
-    view = symmetry.of(subject.instance, "rotated")
-    rotated_back = view.undone(runs[Variant(level, "rotated")].trajectory)
-    return distances(subject.instance, rotated_back, runs[Variant(level)].trajectory)
+    rotated = runs[Variant(level, "rotated")].trajectory
+    plain = runs[Variant(level)].trajectory
+    return _distance_of_image(rotated, plain, subject.instance, "rotated")
 
 
 def _has_axes(subject: Subject) -> bool:
@@ -415,23 +433,35 @@ def _growth_across(subject: Subject) -> Array:
 
 
 def round_off(subject: Subject, level: float, view: symmetry.Symmetry) -> float:
-    """Relative round-off of both runs of a level before it grows, 2 noise(h) s (1 + tau/h), where s
-    is the size of the numbers in the image relative to those of the scene.
+    """Relative round-off of both runs of a level before it grows, 2 (noise(h) + d) s, where s is
+    the size of the numbers in the image relative to those of the scene.
 
-    The factor 1 + tau/h is for methods with a fixed step that do not claim to conserve momentum:
-    these may compute velocities as differences of positions, as in Stoermer's rule v = (r' - r)/h.
-    A rounding error u r of a position then causes an error u r/h, which in units of the speed L/tau
-    is u r/L times tau/h.
+    Fixed steps from the same start to the same samples are summed to the same times, so that the
+    noise of the clock is left out unless the image has another clock.
+
+    The term d = round_off(h) tau/h is for methods with a fixed step that do not claim to conserve
+    momentum: these may compute velocities as differences of positions, as in Stoermer's rule
+    v = (r' - r)/h. A rounding error u r of a position then causes an error u r/h, which in units of
+    the speed L/tau is u r/L times tau/h.
 
     A change of units rounds the moments of inertia again, which is visible for very slender bodies.
     """
-    # 2 noise s.
-    rounding = 2 * subject.noise(level) * symmetry.size(subject.instance, view)
-    if subject.method.control == "step" and "momentum" not in subject.method.conserves:
-        rounding *= 1.0 + subject.instance.scales.tau / level
+    method = subject.method
+    noise = subject.noise(level)
+    if method.control == "step" and has_same_clock(view):
+        noise -= clock(subject.instance, method, level)
+    if method.control == "step" and "momentum" not in method.conserves:
+        noise += subject.round_off(level) * subject.instance.scales.tau / level
+    # 2 (noise + d) s.
+    rounding = 2 * noise * symmetry.size(subject.instance, view)
     if view.units != symmetry.Symmetry().units:
-        rounding += subject.method.round_off * symmetry.rounded_rates(subject.instance)
+        rounding += method.round_off * symmetry.rounded_rates(subject.instance)
     return rounding
+
+
+def has_same_clock(view: symmetry.Symmetry) -> bool:
+    """True if the image has the sample times of the scene."""
+    return view.delay == 0.0 and view.units[2] == 1.0
 
 
 def allowed(subject: Subject, view: symmetry.Symmetry, growth: Array) -> Array:

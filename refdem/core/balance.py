@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from refdem.core.case import Instance
-from refdem.core.once import once_for_each
+from refdem.core.once import once_for_each, once_with_arguments
 from refdem.core.trajectory import Trajectory
 from refdem.mechanics import energy, momentum
 from refdem.scene import Scene
@@ -44,6 +44,12 @@ def kinetic_exchanged(scene: Scene, run: Trajectory) -> Array:
 
 def mechanical(scene: Scene, run: Trajectory) -> Array:
     """Kinetic plus potential energy (T,) [J] of the scene."""
+    return _mechanical(run, scene)
+
+
+@once_with_arguments
+def _mechanical(run: Trajectory, scene: Scene) -> Array:
+    """The same, computed once for each run: a check of the energy needs it several times."""
     return kinetic(scene, run) + scene.potential(run.position, run.attitude)
 
 

@@ -12,6 +12,7 @@ from refdem.core import refinement
 from refdem.core.case import Instance
 from refdem.core.engine import UNEQUAL_MOMENTS, Method
 from refdem.core.finding import Finding
+from refdem.core.once import once_for_latest
 from refdem.core.parameters import Parameters
 from refdem.core.problem import Motion, Problem
 from refdem.core.scene_numbers import CaseNumber
@@ -51,12 +52,14 @@ class Subject:
         """The order to which the method is held in this scene (`refinement.order`)."""
         return refinement.order(self.instance, self.method)
 
+    @once_for_latest
     def round_off(self, level: float) -> float:
         """Relative round-off that a run at this level may show."""
         return refinement.round_off(
             self.instance, self.method, refinement.steps_at(self.instance, self.method, level)
         )
 
+    @once_for_latest
     def noise(self, level: float) -> float:
         """Relative error of positions and velocities that does not decrease with the step.
 
@@ -67,6 +70,7 @@ class Subject:
         flight = refinement.flight(self.instance, self.method, level)
         return self.round_off(level) + (clock + flight)
 
+    @once_for_latest
     def resolution(self, level: float) -> float:
         """The larger of `noise` and the rounding of positions far from the origin.
 
@@ -84,6 +88,7 @@ class Subject:
         """
         return max(refinement.COUNTING_FLOOR * self.noise(level), self.resolution(level))
 
+    @once_for_latest
     def truncation(self, level: float) -> Array:
         """Relative truncation error (T,) allowed at this level."""
         return refinement.truncation(self.instance, self.method, level, self.instance.times)
@@ -107,6 +112,7 @@ class Subject:
             " scale of the motion within its shortest time"
         )
 
+    @once_for_latest
     def bound(self, level: float) -> Array:
         """Relative error (until,) allowed at every certified sample."""
         if self.truth is None:

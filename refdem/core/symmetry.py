@@ -86,6 +86,7 @@ class Symmetry:
         x = Q^T (x'/l - d - u t), v = Q^T (v' tau/l - u), omega = det(Q) Q^T omega' tau.
         """
         _, length, time = self.units
+        q = self.q
         if self.reverse:
             order = slice(None, None, -1)
         else:
@@ -94,10 +95,10 @@ class Symmetry:
         # Rows are vectors: r @ Q is Q^T r.
         position = (
             run.position[:, order] / length - self.shift - self.boost * t[:, None, None]
-        ) @ self.q
-        velocity = (run.velocity[:, order] * (time / length) - self.boost) @ self.q
+        ) @ q
+        velocity = (run.velocity[:, order] * (time / length) - self.boost) @ q
         attitude = different_rows(run.attitude)[:, order]
-        omega = different_rows(run.omega)[:, order] * time @ self.q
+        omega = different_rows(run.omega)[:, order] * time @ q
         # A reflection reverses the sense of every rotation: det(Q) = -1.
         if self.mirrored:
             omega = -omega

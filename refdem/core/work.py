@@ -9,6 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from refdem.core.once import once_with_arguments
 from refdem.core.trajectory import Trajectory
 from refdem.mechanics.interpolation import between_samples
 from refdem.scene import Scene
@@ -42,7 +43,7 @@ class Work:
 
 def work_along(scene: Scene, run: Trajectory) -> Work | None:
     """The work of all forces without a potential along a run of points; None if it cannot be
-    computed from the samples.
+    computed from the samples. It is computed once for each run.
 
     It cannot be computed if some force does not follow from position and velocity (contacts,
     friction that sticks), if bodies turn, or if there are fewer than five samples.
@@ -63,6 +64,12 @@ def work_along(scene: Scene, run: Trajectory) -> Work | None:
     is_turning = bool(np.any(scene.bodies.inertia > 0))
     if is_turning or len(run.t) <= WINDOW:
         return None
+    return _work_of_points(run, scene)
+
+
+@once_with_arguments
+def _work_of_points(run: Trajectory, scene: Scene) -> Work | None:
+    """The same for a run of points with samples enough."""
     nodes, weights = np.polynomial.legendre.leggauss(GAUSS_NODES)
     parts = []
     for window in (WINDOW, WINDOW - 1, WINDOW - 2):

@@ -167,20 +167,21 @@ def hold_length(motion: Moving, before: State, state: State, h: Number) -> State
     """
     if not motion.tied:
         return state
-    # For each rod its vector at the start, and 1/m_a + 1/m_b.
+    # For each rod its vector at the start, its vector before the drift, and 1/m_a + 1/m_b: impulses
+    # change velocities alone, so that sweeps share them.
     rods = []
     for rod in rods_of(motion.world, before):
         along, _, inverse_mass = _ends(motion, rod, before)
-        rods.append((rod, along, inverse_mass))
+        rods.append((rod, along, rod.branch(state.r), inverse_mass))
+    rod_position = motion.parts.rod_position
     enough = ENOUGH[motion.world.number is float]
     strings = [(string, _sides(string, before.r)) for string in motion.world.strings]
     for _ in range(SWEEPS):
         largest = 0.0
-        for rod, along, inverse_mass in rods:
-            branch, relative, _ = _ends(motion, rod, state)
+        for rod, along, branch, inverse_mass in rods:
             # The branch vector at the end of the drift, with the velocities so far.
-            reached = vec.moved(branch, h, relative)
-            amount = motion.parts.rod_position(rod, reached, along, inverse_mass) / h
+            reached = vec.moved(branch, h, rod.approach(state.v))
+            amount = rod_position(rod, reached, along, inverse_mass) / h
             _pull(motion, rod, state, along, amount)
             # The error of the length before this step, relative to the length.
             largest = max(largest, abs(amount * h * inverse_mass))
@@ -202,11 +203,18 @@ def hold_speed(motion: Moving, state: State) -> State:
     sweeps = len(rods)
     if len(rods) > 1:
         sweeps = SWEEPS
+    # Impulses change velocities alone, so that sweeps share vectors and 1/m_a + 1/m_b.
+    held = []
+    for rod in rods:
+        branch, _, inverse_mass = _ends(motion, rod, state)
+        held.append((rod, branch, inverse_mass))
+    enough = ENOUGH[motion.world.number is float]
+    rod_velocity = motion.parts.rod_velocity
     for _ in range(sweeps):
         largest = 0.0
-        for rod in rods:
-            branch, relative, inverse_mass = _ends(motion, rod, state)
-            amount = motion.parts.rod_velocity(rod, branch, relative, inverse_mass)
+        for rod, branch, inverse_mass in held:
+            relative = rod.approach(state.v)
+            amount = rod_velocity(rod, branch, relative, inverse_mass)
             _pull(motion, rod, state, branch, amount)
             # The velocity along the rod that this sweep removed, relative to the speed, or in m/s
             # for a rod at rest.
@@ -214,7 +222,7 @@ def hold_speed(motion: Moving, state: State) -> State:
             if speed == 0:
                 speed = 1.0
             largest = max(largest, abs(amount) * inverse_mass * rod.length / speed)
-        if largest <= ENOUGH[motion.world.number is float]:
+        if largest <= enough:
             break
     for string in motion.world.strings:
         sides = _sides(string, state.r)

@@ -271,8 +271,9 @@ def unbracketed(
     """At each time, the numbers to whose derivatives differences of certified values do not tend as
     their distance falls, each with the observed limit.
 
-    All numbers are moved at once, each by its own part; where that does not agree, they are moved
-    one by one.
+    Numbers that are 0 are moved one by one: friction and a slip that leave 0 together change the
+    motion by as much as either of them moves, although neither does alone. All others are moved at
+    once, each by its own part; where that does not agree, they are moved one by one as well.
     """
     missing: list[dict[str, str]] = [{} for _ in times]
     if not numbers:
@@ -281,17 +282,23 @@ def unbracketed(
     for k, number in enumerate(numbers):
         # No two numbers by the same part of themselves, so that errors do not cancel.
         steps[number] = (abs(number.of(p)) or Fraction(1)) * (1 + Fraction(k, 7 + len(numbers)))
-    together = Direction(steps)
-    reasons = disagreements(derivatives, make, p, numbers, together, times)
-    unclear = [place for place, reason in enumerate(reasons) if reason is not None]
-    if not unclear:
-        return missing
-    derivatives_there = [derivatives[place] for place in unclear]
-    times_there = [times[place] for place in unclear]
+    together = {number: step for number, step in steps.items() if number.of(p) != 0}
+    unclear: list[int] = []
+    if together:
+        reasons = disagreements(derivatives, make, p, numbers, Direction(together), times)
+        unclear = [place for place, reason in enumerate(reasons) if reason is not None]
     for number, step in steps.items():
         alone = Direction({number: step})
+        if number in together:
+            places = unclear
+        else:
+            places = list(range(len(times)))
+        if not places:
+            continue
+        derivatives_there = [derivatives[place] for place in places]
+        times_there = [times[place] for place in places]
         of_number = disagreements(derivatives_there, make, p, numbers, alone, times_there)
-        for place, reason in zip(unclear, of_number, strict=True):
+        for place, reason in zip(places, of_number, strict=True):
             if reason is not None:
                 missing[place][number.name] = reason
     return missing

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from refdem.checks import cooling, energy, lyapunov, symmetry
-from refdem.core import discovery
+from refdem.core import discovery, refinement
 from refdem.core import symmetry as pictures
 from refdem.core.balance import kinetic_exchanged
 from refdem.core.check import CompletedRun, Subject
@@ -23,6 +23,7 @@ from refdem.mechanics.stability import Growth
 from refdem.scene import Body, Sphere
 from refdem.scene.elements.contact import Contact
 from refdem.scene.elements.drag import Drag
+from refdem.scene.elements.force import Force
 from refdem.scene.elements.plane import Plane
 from refdem.scene.elements.rod import Rod
 from refdem.scene.elements.slider import Slider
@@ -506,12 +507,33 @@ def test_round_off_of_a_picture_is_that_of_both_runs_and_of_other_units():
     level = symmetry.level_for(subject)
     expected = 2 * subject.noise(level)
     assert symmetry.round_off(subject, level, plain) == near(expected, rel=1e-13)
-    # Velocities may be differences of places: (1 + tau/h) times as much.
+    # Velocities may be differences of places: tau/h times the round-off more.
     of_places = Subject(of, method(), LEVELS, None)
-    of_differences = expected * (1 + of.scales.tau / level)
-    assert symmetry.round_off(of_places, level, plain) == near(of_differences, rel=1e-13)
+    of_differences = 2 * subject.round_off(level) * of.scales.tau / level
+    rounding = symmetry.round_off(of_places, level, plain)
+    assert rounding == near(expected + of_differences, rel=1e-13)
     rescaled = pictures.of(of, "rescaled")
     assert symmetry.round_off(subject, level, rescaled) == near(expected + U * 8.5 * 16, rel=1e-13)
+
+
+def test_images_with_the_clock_of_the_scene_have_no_noise_of_a_clock():
+    driven = Force(a=0, b=-1, amplitude=0.5, frequency=2.0)
+    of = instance([POINT], (driven,))
+    claims = method(conserves=frozenset({"momentum"}), summed_clock=True)
+    subject = Subject(of, claims, LEVELS, None)
+    level = symmetry.level_for(subject)
+    of_clock = refinement.clock(of, claims, level)
+    assert of_clock > 0
+    without = 2 * (subject.noise(level) - of_clock)
+    rounding = {
+        name: symmetry.round_off(subject, level, pictures.of(of, name))
+        for name in ("mirrored", "rotated", "delayed")
+    }
+    assert rounding["mirrored"] == near(without, rel=1e-13)
+    assert rounding["rotated"] == near(without, rel=1e-13)
+    delayed = 2 * subject.noise(level)
+    size = pictures.size(of, pictures.of(of, "delayed"))
+    assert rounding["delayed"] == near(delayed * size, rel=1e-13)
 
 
 def test_what_a_rounding_decides_is_at_most_the_truncation_of_both_runs():

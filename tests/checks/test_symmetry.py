@@ -11,6 +11,8 @@ import pytest
 from refdem.checks.symmetry import Symmetry
 from refdem.core import discovery, symmetry
 from refdem.core.check import CompletedRun
+from refdem.core.engine import Method
+from refdem.core.trajectory import Cost, Trajectory
 from refdem.faults.change import of_bodies, of_elements, single
 from refdem.faults.fault import Fault
 from refdem.mechanics.quaternion import product
@@ -146,8 +148,6 @@ def test_a_scene_comes_back_from_every_symmetry():
         shown = view.applied(instance.problem)
         assert shown.scene.features >= instance.scene.features - {"dimension:1", "dimension:2"}
         bodies = shown.scene.bodies
-        from refdem.core.trajectory import Trajectory
-
         columns = {
             column: getattr(bodies, column)[None]
             for column in ("position", "velocity", "attitude", "omega")
@@ -278,6 +278,52 @@ def test_what_a_rounding_decides_is_no_fault_of_any_symmetry():
     found = found_in_first_order(decides_by_a_rounding)
     assert {name: f.sentence for name, f in found.items() if f.outcome == "fail"} == {}
     assert max(finding.value for finding in found.values()) > 1e-4
+
+
+def stoermer(request):
+    """A linear oscillator by Stoermer's rule, x'' = (x+ - 2 x + x-)/h^2 and v = (x+ - x-)/(2 h)."""
+    scene = request.problem.scene
+    (spring,) = scene.all(Spring)
+    square = spring.stiffness / scene.bodies.mass[0]
+    anchor = np.array(spring.anchor_b)
+    h = request.step
+    start, speed = scene.bodies.position[0], scene.bodies.velocity[0]
+    # x(h) and x(-h) from the series of the start.
+    pull = -square * (start - anchor)
+    places = [start - h * speed + h * h / 2 * pull, start]
+    for _ in range(request.stride * (len(request.problem.times) - 1) + 1):
+        pull = -square * (places[-1] - anchor)
+        places.append(2 * places[-1] - places[-2] + h * h * pull)
+    places = np.array(places)
+    rows = 1 + request.stride * np.arange(len(request.problem.times))
+    velocity = (places[rows + 1] - places[rows - 1]) / (2 * h)
+    return Trajectory.of_points(request.problem.times, places[rows][:, None], velocity[:, None])
+
+
+def of_differences(spoiled=lambda run, request: run):
+    """Findings of Stoermer's rule from a method that claims nothing but its order."""
+    task = task_of("harmonic-oscillator", "velocity-verlet")
+    claims = Method(name="stoermer", control="step", order=2, summary="positions alone")
+    subject = replace(
+        task.subject,
+        method=claims,
+        levels=(2.0**-10, 2.0**-11, 2.0**-12),
+        truth=truth_of(task.subject.instance),
+    )
+
+    def made(variant):
+        request = plan.request(task, variant)
+        return CompletedRun(spoiled(stoermer(request), request), Cost(seconds=0.0))
+
+    runs = all_runs(Symmetry(), subject, made)
+    return {finding.quantity: finding for finding in Symmetry().judge(subject, runs)}
+
+
+def test_velocities_from_differences_of_positions_are_rounded_more_and_break_no_symmetry():
+    found = of_differences()
+    assert {name: f.sentence for name, f in found.items() if f.outcome != "pass"} == {}
+    # The round-off of these velocities exceeds that of other methods.
+    assert max(f.value for f in found.values()) > 1e-12
 
 
 @pytest.mark.parametrize("method", ["rk4", "velocity-verlet"])

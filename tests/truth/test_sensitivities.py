@@ -206,6 +206,24 @@ def test_several_times_at_once_have_the_derivatives_of_each() -> None:
         assert found.of == alone.of
 
 
+def test_numbers_that_are_0_are_moved_one_by_one() -> None:
+    """Friction acts where the ball spins: beside 0 in both, the motion is of another kind."""
+    chosen = discovery.case("bouncing-ball")
+    p = chosen.at(velocity="1/2,0", spin="0", friction="0").p
+    moved: list[Parameters] = []
+
+    def recorded(given: Parameters) -> Truth:
+        moved.append(given)
+        return chosen.truth(given)
+
+    sensitivities_at(recorded, p, [Fraction(1, 2)], DIGITS)
+    values = [(given["friction"], given["spin"]) for given in moved]
+    numbers = [pair for pair in values if all(isinstance(one, Fraction) for one in pair)]
+    assert any(friction for friction, _ in numbers)
+    assert any(spin for _, spin in numbers)
+    assert not any(friction and spin for friction, spin in numbers)
+
+
 def test_derivatives_of_a_chaotic_map_are_the_product_of_its_slopes() -> None:
     """They are larger than 1e50, and differences over a fixed part of the start tell nothing."""
     chosen = discovery.case("logistic")
