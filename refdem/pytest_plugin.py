@@ -111,8 +111,8 @@ def refdem_gate() -> "Callable[..., list[Record]]":
 
 def reasons(judged: "Iterable[Record]") -> str:
     """Why nothing was decided, each sentence once."""
-    said = dict.fromkeys(finding.sentence for record in judged for finding in record.findings)
-    return " ".join(said) or "no case is one that the engine supports"
+    sentences = dict.fromkeys(finding.sentence for record in judged for finding in record.findings)
+    return " ".join(sentences) or "no case is one that the engine supports"
 
 
 def decide(findings: "Iterable[Finding]") -> None:

@@ -38,13 +38,13 @@ class Beside:
 
     def begin(self, places: Sequence[Place]) -> None:
         """Loads every place there and runs it once; `reasons` states why some cannot run."""
-        self.reasons = self._asked(msgspec.json.encode(places).decode())
+        self.reasons = self._reply(msgspec.json.encode(places).decode())
 
     def seconds(self, number: int) -> float:
         """Seconds that the other installation takes for a place now, by its number."""
-        return float(self._asked(str(number)))
+        return float(self._reply(str(number)))
 
-    def _asked(self, line: str) -> Any:
+    def _reply(self, line: str) -> Any:
         assert self._process.stdin
         assert self._process.stdout
         try:

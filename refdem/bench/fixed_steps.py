@@ -25,7 +25,7 @@ TAKEN = (Contact, Plane, UniformGravity)
 """Elements whose forces are computed here."""
 
 
-def lacking(scene: Scene) -> str | None:
+def unsupported_feature(scene: Scene) -> str | None:
     """None if the scene is of spheres that do not turn, under normal forces and weight; else what
     it has besides.
     """
@@ -42,8 +42,8 @@ def lacking(scene: Scene) -> str | None:
 
 
 def run(scene: Scene, times: Array, steps: int) -> Trajectory:
-    """The motion at equidistant times (T,) [s], with so many steps between two; nothing may be
-    `lacking`.
+    """The motion at equidistant times (T,) [s], with so many steps between two, of a scene
+    without an `unsupported_feature`.
 
         v += h/2 F(r, v)/m,   r += h v,   v += h/2 F(r, v)/m        (Swope et al. 1982)
 

@@ -56,8 +56,8 @@ class Measured:
         later = [cost.setup for cost in chain.from_iterable(self.rounds.values())]
         if not later:
             return 0.0
-        dearest_first = max((cost.setup for cost in self.first.values()), default=0.0)
-        return max(0.0, dearest_first - statistics.median(later))
+        longest_first = max((cost.setup for cost in self.first.values()), default=0.0)
+        return max(0.0, longest_first - statistics.median(later))
 
     def points(self, names: set[str]) -> list[Point]:
         """One point a level, coarse to fine; the error is the largest among `names`."""

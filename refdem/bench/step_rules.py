@@ -277,10 +277,10 @@ def judged(instance: Instance) -> list[Judged]:
             f"{instance.label}: got a scene without spheres that touch under a law with a"
             " stiffness; expected a case such as two-spheres or hertz-spheres"
         )
-    lacking = fixed_steps.lacking(instance.scene)
-    if lacking is not None:
+    feature = fixed_steps.unsupported_feature(instance.scene)
+    if feature is not None:
         raise UsageError(
-            f"{instance.label}: got a scene with {lacking}; expected spheres under normal forces"
+            f"{instance.label}: got a scene with {feature}; expected spheres under normal forces"
             " and weight, as with friction=0"
         )
     touching = pairs(instance.scene)

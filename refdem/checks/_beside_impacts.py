@@ -105,7 +105,7 @@ def _meets(subject: Subject) -> bool:
     return is_impact(scene) or is_sequence(scene)
 
 
-def may_see_late(subject: Subject) -> bool:
+def may_detect_late(subject: Subject) -> bool:
     """True for scenes with rigid impacts and methods of fixed steps that claim first order and do
     not claim to locate events.
 
@@ -155,11 +155,11 @@ def beside_impacts(
     method = subject.method
     times = subject.instance.times[: len(error)] - method.delay(level)
     roundings = ROUND_OFF_FACTOR
-    seen_after = 0.0
+    detection_delay = 0.0
     if method.control == "step":
         roundings = max(roundings, steps_at(subject.instance, method, level))
-    if may_see_late(subject):
-        seen_after = level
+    if may_detect_late(subject):
+        detection_delay = level
     impacts = crossings(subject, truth).get("contact", [])
     for impact in impacts:
         # A step may end at the impact itself, up to the rounding of its clock.
@@ -167,7 +167,7 @@ def beside_impacts(
         moved = shift(error_at(impact, error, times), impact) + rounding
         since = times - impact.time
         after = int(np.searchsorted(since, 0.0))
-        late = (since >= 0.0) & (since <= moved + seen_after)
+        late = (since >= 0.0) & (since <= moved + detection_delay)
         early = (since < 0.0) & (since >= -moved)
         yield Beside(late, early, after, _met_again(impact, impacts, times, after))
 
@@ -196,7 +196,7 @@ def left_by_late_impacts(
     After an impact that changes velocity and angular velocity of a body by dv and dw, the error of
     the position is dv h, and that of the attitude is a rotation by dw h.
     """
-    if not may_see_late(subject):
+    if not may_detect_late(subject):
         return {}
     instance = subject.instance
     gravity = falling(instance.scene)
@@ -235,7 +235,7 @@ def nearest_velocities(
     `error` (T,) is the error that its state may have. Velocities of falling bodies change by g t
     from one sample to another.
     """
-    seen = []
+    replaced = []
     gravity = falling(subject.instance.scene)
     for beside in beside_impacts(subject, level, truth, error):
         samples = np.flatnonzero(beside.late | beside.early)
@@ -248,8 +248,8 @@ def nearest_velocities(
             fallen = (run.t[samples] - run.t[source])[:, None, None] * gravity
             velocity[samples] = run.velocity[source] + fallen
             omega[samples] = run.omega[source]
-            seen.append(replace_columns(run, velocity=velocity, omega=omega))
-    return seen
+            replaced.append(replace_columns(run, velocity=velocity, omega=omega))
+    return replaced
 
 
 def truth_at(truth: SampledTruth, samples: Whole) -> SampledTruth:

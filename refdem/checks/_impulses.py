@@ -208,9 +208,9 @@ def off(subject: Subject, run: Trajectory, found: Struck, pull: float) -> float:
     scene = subject.instance.scene
     numbers = list(found.window.impact.bodies)
     late = lateness(subject, found.window)
-    unseen = 0.0
+    detection_delay = 0.0
     if subject.method.control == "step" and subject.method.order < 2:
-        unseen = subject.levels[-1]
+        detection_delay = subject.levels[-1]
     noise = subject.noise(subject.levels[-1])
     of_speeds = noise
     if not falling(scene).any():
@@ -222,7 +222,9 @@ def off(subject: Subject, run: Trajectory, found: Struck, pull: float) -> float:
     reach = float(scene.bodies.radius[numbers].sum())
     rounded = noise * (places + reach)
     # u (sum |v| + w) + g (t + h + d/c)
-    total = of_speeds * (speeds + found.fastest) + pull * (late + unseen + rounded / found.closing)
+    total = of_speeds * (speeds + found.fastest) + pull * (
+        late + detection_delay + rounded / found.closing
+    )
     if len(numbers) == 2 and "dimension:1" not in scene.features:
         # a = (w t + d max(1, w/c))/R;  2 w a (1 + a)
         steep = max(1.0, found.fastest / found.closing)

@@ -108,13 +108,15 @@ def changes(t: Array, before: Iterable[bool], after: Iterable[bool]) -> list[flo
     return found
 
 
-def untold(shown: list[ShownEvent], told: list[Event], late: float) -> ShownEvent | None:
+def first_unreported(
+    shown: list[ShownEvent], reported: list[Event], late: float
+) -> ShownEvent | None:
     """The first shown event that is not among those reported for one of its bodies by `late` [s]
     after its sample; None if all are.
     """
     for event in sorted(shown, key=lambda event: event.by):
         of_bodies = [
-            one for one in told if one.body in event.bodies and one.time <= event.by + late
+            one for one in reported if one.body in event.bodies and one.time <= event.by + late
         ]
         if len(of_bodies) < event.number:
             return event

@@ -124,9 +124,9 @@ class AngularMomentum(Check):
                 " m|r||v| + |J omega|,"
             ),
         )
-        return told(finding, self._seen_through(subject, runs, name))
+        return with_remark(finding, self._change_remark(subject, runs, name))
 
-    def _seen_through(
+    def _change_remark(
         self, subject: Subject, runs: Mapping[Variant, CompletedRun], name: str
     ) -> str:
         """The remark for a method that does not claim to conserve L: by how much L changes at the
@@ -198,14 +198,14 @@ class AngularMomentum(Check):
         )
         if not by_law > subject.round_off(level):
             return finding
-        return told(
+        return with_remark(
             finding,
             f"The law itself changes it by {by_law:.2g}, because the sum of its lever arms differs"
             " from the distance of the centres: a property of the law, not of the method.",
         )
 
 
-def told(finding: Finding, remark: str) -> Finding:
+def with_remark(finding: Finding, remark: str) -> Finding:
     """The finding with a remark after its sentence; the same finding for an empty remark."""
     if not remark:
         return finding

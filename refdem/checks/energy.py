@@ -319,8 +319,8 @@ class Energy(Check):
         if work is not None:
             # |E + W - E0|, with W the sum over all contacts.
             dissipated = work.reshape(len(energy), -1).sum(axis=1)
-            lacking = np.abs(energy + dissipated - energy[0]) / scale
-            return Imbalance("The change of energy plus dissipated work", lacking)
+            missing = np.abs(energy + dissipated - energy[0]) / scale
+            return Imbalance("The change of energy plus dissipated work", missing)
         integrated = self._integrated(subject, run, energy)
         if scene.is_driven() or isinstance(integrated, Imbalance):
             return integrated

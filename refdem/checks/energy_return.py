@@ -46,8 +46,8 @@ class EnergyReturn(Check):
         return (subject.finest, Variant(subject.levels[-1], "reversed"))
 
     def judge(self, subject: Subject, runs: Mapping[Variant, CompletedRun]) -> list[Finding]:
-        """Two findings: the gain against m (v_T^2 - v_0^2)/2 of truth, and gain plus change on the
-        way back against 0.
+        """Two findings: the gain against m (v_T^2 - v_0^2)/2 of truth, and gain plus change in the
+        backward run against 0.
         """
         truth = certified(subject)
         if truth is None or truth.until < len(subject.instance.times):
@@ -71,14 +71,14 @@ class EnergyReturn(Check):
         allowed = float(subject.bound(subject.levels[-1])[-1])
         growth = float(truth.growth()[-1])
         is_exact = subject.method.reversible or subject.method.control == "exact"
-        # Errors of the forward run grow on the way back as well. A reversible method undoes its own
-        # truncation there, so that only round-off remains.
+        # Errors of the forward run grow in the backward run as well. A reversible method undoes its
+        # own truncation there, so that only round-off remains.
         if is_exact:
             # 2 u_n S^2, for the growth S of errors in each direction.
             velocity_error = 2 * subject.round_off(subject.levels[-1]) * growth**2
             return_basis = "round-off of the forward and the backward run"
         else:
-            # 2 bound S: the error of the forward run grows by S on the way back.
+            # 2 bound S: the error of the forward run grows by S in the backward run.
             velocity_error = 2 * allowed * growth
             return_basis = "twice the error bound of the velocity, forward and backward"
         gain_error = judged(

@@ -162,9 +162,9 @@ class Error(Check):
             sight=sharpest_sight,
             levels=tuple(levels),
             series=errors_in_time,
-            order_seen=_order_seen(subject, levels),
+            order_seen=_observed_order(subject, levels),
             order_claimed=order_claimed,
-            constant_seen=_constant_seen(subject, levels),
+            constant_seen=_measured_constant(subject, levels),
         )
 
 
@@ -333,11 +333,11 @@ def _ratio_of(subject: Subject, changes: list[Array], rounding: Array) -> float 
     if kinked(subject.instance, subject.method) or not np.any(changes[-1] > rounding):
         return claimed
     before, last = (float(np.max(change)) for change in changes[-2:])
-    seen = before / last
-    if seen >= claimed / 2:
+    ratio = before / last
+    if ratio >= claimed / 2:
         return claimed
-    if seen > 1:
-        return seen
+    if ratio > 1:
+        return ratio
     return None
 
 
@@ -487,7 +487,7 @@ def _floor(subject: Subject, level: float) -> float:
     return subject.floor(level) * float(subject.truth.growth()[-1])
 
 
-def _order_seen(subject: Subject, levels: list[Level]) -> float | None:
+def _observed_order(subject: Subject, levels: list[Level]) -> float | None:
     """The order log2(e(h)/e(h/2)) of the finest pair of counting levels above round-off; None
     without one.
     """
@@ -504,7 +504,7 @@ def _order_seen(subject: Subject, levels: list[Level]) -> float | None:
     return None
 
 
-def _constant_seen(subject: Subject, levels: list[Level]) -> float | None:
+def _measured_constant(subject: Subject, levels: list[Level]) -> float | None:
     """The measured constant C of |error| <= C (T/tau) (h/tau)^p S: the largest over the counting
     levels; None without one.
     """

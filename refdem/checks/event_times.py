@@ -4,7 +4,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from math import inf
 
-from refdem.checks._beside_impacts import may_see_late
+from refdem.checks._beside_impacts import may_detect_late
 from refdem.checks._crossings import (
     Crossing,
     Crossings,
@@ -14,7 +14,7 @@ from refdem.checks._crossings import (
     shift,
 )
 from refdem.checks._impacts import listed
-from refdem.checks._shown_events import ShownEvent, can_show, shown_events, untold
+from refdem.checks._shown_events import ShownEvent, can_show, first_unreported, shown_events
 from refdem.core.check import Array, Check, CompletedRun, Subject
 from refdem.core.finding import Finding
 from refdem.core.judgement import (
@@ -121,7 +121,7 @@ class EventTimes(Check):
             late = 2 * subject.levels[-1]
         else:
             late = subject.instance.problem.interval
-        missing = untold(shown, events, late)
+        missing = first_unreported(shown, events, late)
         if missing is None:
             statement = f"Every {kind} that the samples show is reported ({len(shown)} of them)"
         else:
@@ -154,21 +154,21 @@ class EventTimes(Check):
             for crossing, allowed in known
             if crossing.time - allowed > start and crossing.time + allowed <= predictions.due
         ]
-        told = [event for event in events if event.time <= predictions.told]
-        if not due and not told:
+        covered_events = [event for event in events if event.time <= predictions.complete_until]
+        if not due and not covered_events:
             return undecided(
                 self.name,
                 kind,
                 predictions.why or "no event is due before the predictability horizon",
             )
-        whole = predictions.told - start
+        whole = predictions.complete_until - start
         assert subject.truth is not None
         if listed(subject.truth.scalars):
-            pairs = one_to_one(told, known, due, whole)
+            pairs = one_to_one(covered_events, known, due, whole)
         else:
             # Each certified event with the nearest reported one, then the reverse.
             pairs = [reported(crossing, allowed, events, whole) for crossing, allowed in due]
-            pairs += [nearest(event, known, whole) for event in told]
+            pairs += [nearest(event, known, whole) for event in covered_events]
         pairs = [pair for pair in pairs if pair[1] < inf]
         if not pairs:
             return undecided(self.name, kind, predictions.why)
@@ -195,7 +195,7 @@ class EventTimes(Check):
                 f" function{detection}"
             ),
             what=(
-                f"The error of a reported {kind} time ({len(told)} reported, {len(due)}"
+                f"The error of a reported {kind} time ({len(covered_events)} reported, {len(due)}"
                 f" expected; at t = {time:.6g} s), in units of tau,"
             ),
         )
@@ -214,13 +214,13 @@ class Predicted:
     """Crossings of each kind with the time [s] by which an event may differ from each, as far as
     the motion is predictable.
 
-    Crossings that end before `due` [s] must be reported. An event that is reported before `told`
-    [s] must be one of these crossings. `why` is the reason why predictions end.
+    Crossings that end before `due` [s] must be reported. An event that is reported before
+    `complete_until` [s] must be one of these crossings. `why` is the reason why predictions end.
     """
 
     events: Mapping[str, Judged]
     due: float
-    told: float
+    complete_until: float
     why: str
 
 
@@ -267,12 +267,12 @@ def one_to_one(
         else:
             distance = whole
         is_due = (crossing, allowed) in due
-        is_told = bool(of_bodies) and (is_due or distance <= allowed)
-        if is_told:
+        is_reported = bool(of_bodies) and (is_due or distance <= allowed)
+        if is_reported:
             left.remove(partner)
             partners.append((crossing, allowed, partner))
         # An event that may still come is compared only where it is reported.
-        if is_due or is_told:
+        if is_due or is_reported:
             pairs.append((distance, allowed, crossing.time))
     for crossing, allowed, partner in partners:
         for event in left:
@@ -306,7 +306,7 @@ def predicted(
     tau = subject.instance.scales.tau
     end = float(times[max(0, scored(bound) - 1)])
     last = float(times[0])
-    observed_bound = seen_bound(subject, truth, run)
+    observed_bound = observed_error_bound(subject, truth, run)
     events: dict[str, Judged] = {kind: [] for kind in known}
     by_time: list[tuple[Crossing, str]] = []
     for name, crossings_of_kind in known.items():
@@ -358,7 +358,7 @@ def late_by(
     """
     times = subject.instance.times[: truth.until]
     bound = subject.bound(subject.levels[-1])
-    observed_bound = seen_bound(subject, truth, run)
+    observed_bound = observed_error_bound(subject, truth, run)
     found = []
     for crossing in known:
         # allowed = min(shift(E_claimed), shift(E_observed) + interpolation) + radius + clock.
@@ -372,7 +372,7 @@ def late_by(
     return found
 
 
-def seen_bound(subject: Subject, truth: SampledTruth, run: Trajectory) -> Array:
+def observed_error_bound(subject: Subject, truth: SampledTruth, run: Trajectory) -> Array:
     """Bound (until,) on the error of the run by what it shows itself, at every certified sample.
 
     bound(t) = room max(error up to t) + floor S(t): the largest error so far with a factor of
@@ -424,7 +424,7 @@ def ticks(subject: Subject, time: float) -> float:
         return rounding
     if subject.method.control == "tolerance":
         return rounding + subject.instance.problem.interval
-    if may_see_late(subject):
+    if may_detect_late(subject):
         # An engine may report an impact when it acts, in the step after that of its detection.
         return rounding + 2 * level
     return rounding + level

@@ -32,7 +32,7 @@ from itertools import pairwise
 import numpy as np
 
 from refdem.checks._crossings import crossings, has_crossings
-from refdem.checks.order import lack
+from refdem.checks.order import order_deficit
 from refdem.core.check import Array, CertifiedMatrix, Check, CompletedRun, Subject
 from refdem.core.finding import Finding
 from refdem.core.judgement import (
@@ -139,9 +139,9 @@ class Gradient(Check):
             matrix = subject.derivatives(subject, times)
         except NotCertifiedError as error:
             return [undecided(self.name, "matrix", str(error))]
-        lacking = _lacking(subject, runs, matrix)
-        if lacking:
-            return [lacking]
+        failure = _missing_derivatives(subject, runs, matrix)
+        if failure:
+            return [failure]
         columns = _columns(subject, runs, truth, samples, matrix)
         if not columns:
             return [undecided(self.name, "matrix", "no derivative is certified at these numbers")]
@@ -203,7 +203,7 @@ class Gradient(Check):
             return None
         orders = [observed_order(coarse, fine) for coarse, fine in pairwise(usable)]
         claimed = _derivative_order(subject)
-        deficit = lack(orders, claimed)
+        deficit = order_deficit(orders, claimed)
         statement = order_statement(
             orders[-1], claimed, deficit, TOLERANCE, "largest error of any derivative"
         )
@@ -220,7 +220,7 @@ class Gradient(Check):
         )
 
 
-def _lacking(
+def _missing_derivatives(
     subject: Subject, runs: Mapping[Variant, CompletedRun], matrix: CertifiedMatrix
 ) -> Finding | None:
     """The failure of a run that lacks the derivatives by some requested number, or whose
@@ -231,10 +231,10 @@ def _lacking(
         for level in subject.levels:
             run = runs[Variant(level, "differentiated")].trajectory
             for key in rates:
-                says = _refusal(run, key)
-                if says:
+                reason = _refusal(run, key)
+                if reason:
                     return Finding(
-                        check="gradient", quantity="matrix", outcome="fail", sentence=says
+                        check="gradient", quantity="matrix", outcome="fail", sentence=reason
                     )
     return None
 
@@ -353,7 +353,7 @@ def _columns(
         proved = [of_time for of_time in matrix.of if number.name in next(iter(of_time.values()))]
         if rates is None or len(proved) < len(samples):
             continue
-        told = []
+        reported = []
         value = abs(float(number.of(matrix.p))) or 1.0
         noise = subject.noise(subject.levels[-1])
         left = 0.0
@@ -362,8 +362,8 @@ def _columns(
             left = max(left, rounding_of_slopes(subject.instance, matrix.p, number, run, rates))
             of_program = rounding_of_differences(subject.instance, matrix.p, run, rates, noise)
             left = max(left, of_program)
-            told.append(observed_slopes(subject.instance, matrix.p, number, run, rates))
-        names = tuple(name for name in told[0] if name in matrix.of[0] and name not in ATTITUDE)
+            reported.append(observed_slopes(subject.instance, matrix.p, number, run, rates))
+        names = tuple(name for name in reported[0] if name in matrix.of[0] and name not in ATTITUDE)
         if not names:
             continue
         scales = np.array([subject.instance.quantities[name].scale for name in names])[:, None]
@@ -373,7 +373,7 @@ def _columns(
         sizes = np.maximum(sizes, FELT / value)
         unit = scales * sizes
         # max(0, |D_run - D_q| - r_q) / (s_q G).
-        slopes = np.array([[of[name][list(samples)] for name in names] for of in told])
+        slopes = np.array([[of[name][list(samples)] for name in names] for of in reported])
         errors = np.maximum(0.0, np.abs(slopes - proven[..., 0]) - proven[..., 1])
         # floor(h) S(t) + DIFFERENCES + left/G;   weak = max(1, 1/(|p| G)).
         floor = rounding + left / sizes

@@ -106,7 +106,7 @@ FEWEST = 4
 WHOLE_ORDER = 0.25
 """Largest distance of an observed order from the whole number that it is taken for."""
 
-Seen = Mapping[float, Mapping[str, Array]]
+ErrorsByLevel = Mapping[float, Mapping[str, Array]]
 """Scaled errors (until,) by level and quantity."""
 
 
@@ -114,15 +114,15 @@ def with_key(subject: Subject, finding: Finding) -> Finding:
     """The finding; if it failed and the observed lower order would agree with a claim, its sentence
     names the key to declare.
     """
-    seen = finding.order_seen
-    if finding.outcome != "fail" or seen is None or kinked(subject.instance, subject.method):
+    observed = finding.order_seen
+    if finding.outcome != "fail" or observed is None or kinked(subject.instance, subject.method):
         return finding
     # Errors that are the same at two steps, or none at the coarser one, have no finite order.
-    if not np.isfinite(seen):
+    if not np.isfinite(observed):
         return finding
-    order = round(seen)
+    order = round(observed)
     key = _lowering_key(subject)
-    is_lower = 1 <= order < subject.order and abs(seen - order) <= WHOLE_ORDER
+    is_lower = 1 <= order < subject.order and abs(observed - order) <= WHOLE_ORDER
     if key is None or not is_lower:
         return finding
     sentence = (
@@ -233,7 +233,7 @@ class Order(Check):
         subject: Subject,
         runs: Mapping[Variant, CompletedRun],
         truth: SampledTruth,
-        errors_at: Seen,
+        errors_at: ErrorsByLevel,
     ) -> Finding:
         """The finding on the observed order against the claimed one.
 
@@ -275,9 +275,9 @@ class Order(Check):
         coarser_orders = [
             observed_order(a, b) for a, b in pairwise([*coarser, largest[0]]) if b > 0 and a < SMALL
         ]
-        expected = expected_lack([*coarser_orders, *orders], subject.order) + 2 * rounded / float(
-            np.log(2.0)
-        )
+        expected = expected_deficit(
+            [*coarser_orders, *orders], subject.order
+        ) + 2 * rounded / float(np.log(2.0))
         misfits = _misfits(subject, runs, truth, resolved, common)
         next_order = _order_at_most(subject, counting, largest, floor)
         finding = self._deficit(subject, orders, expected, misfits, next_order)
@@ -287,7 +287,7 @@ class Order(Check):
         return finding
 
     def _growth(
-        self, subject: Subject, runs: Mapping[Variant, CompletedRun], errors_at: Seen
+        self, subject: Subject, runs: Mapping[Variant, CompletedRun], errors_at: ErrorsByLevel
     ) -> list[Finding]:
         """The finding that errors at the three finest levels do not rise as the step falls,
         whatever their bound.
@@ -387,13 +387,14 @@ class Order(Check):
         - Otherwise d is compared with the tolerance.
 
         `orders` are those of the pairs above round-off, coarse to fine; `expected` bounds the
-        deficit of the finest pair (`expected_lack`); `misfits` is None for fewer than three levels.
+        deficit of the finest pair (`expected_deficit`); `misfits` is None for fewer than three
+        levels.
         """
         claimed = subject.order
         tolerance = max(0.15, 0.05 * claimed)
         listed = ", ".join(f"{order:.2f}" for order in orders)
         # d in the limit of small steps, from the last two pairs.
-        deficit = lack(orders, claimed)
+        deficit = order_deficit(orders, claimed)
         first_deficit = claimed - orders[0]
         is_alone = len(orders) == 1 and first_deficit > tolerance
         # p - next_order <= max(tolerance, d/2): the next pair may have half the deficit.
@@ -553,8 +554,8 @@ def _kinks_explain(subject: Subject, steps: list[float], largest: list[float]) -
         return False
     if any(law.law != "rigid" for law in scene.all(Contact)):
         return False
-    tells_events = has_crossings(scene) and not is_sequence(scene)
-    if tells_events and _count_of_events(subject, truth) * len(steps) > OCTAVES:
+    has_reported_events = has_crossings(scene) and not is_sequence(scene)
+    if has_reported_events and _count_of_events(subject, truth) * len(steps) > OCTAVES:
         return False
     of_finest = bound(subject.instance, subject.method, min(steps), truth)
     return max(largest) <= float(of_finest.max())
@@ -624,7 +625,7 @@ def mean_order(steps: list[float], errors: list[float]) -> tuple[float, float, f
     return slope, expected, from_residuals
 
 
-def lack(orders: list[float], claimed: float) -> float:
+def order_deficit(orders: list[float], claimed: float) -> float:
     """Deficit of the orders of all pairs, coarse to fine, in the limit of small steps; at least 0.
 
     With d_k the deficit of pair k, the last one d_n, it is
@@ -643,7 +644,7 @@ def lack(orders: list[float], claimed: float) -> float:
     return max(0.0, last_deficit)
 
 
-def expected_lack(orders: Sequence[float], claimed: float) -> float:
+def expected_deficit(orders: Sequence[float], claimed: float) -> float:
     """Largest |deficit| expected at the finest of three or more pairs, from those at the two pairs
     before; infinite for fewer.
 
@@ -757,7 +758,7 @@ def _declaration_hint(subject: Subject, slope: float) -> str:
 
 def _errors_at_levels(
     subject: Subject, runs: Mapping[Variant, CompletedRun], levels: tuple[float, ...]
-) -> Seen:
+) -> ErrorsByLevel:
     """Scaled errors of every quantity at these levels, coarse to fine; beside an impact those of a
     velocity against either side of it.
     """
@@ -777,7 +778,7 @@ def _may_be_rounding(subject: Subject, orders: list[float], shift: float) -> boo
     tolerance = max(0.15, 0.05 * claimed)
     *coarser, finest = orders
     missing = claimed - finest
-    if not coarser or lack(coarser, claimed) > tolerance or missing <= tolerance:
+    if not coarser or order_deficit(coarser, claimed) > tolerance or missing <= tolerance:
         return False
     return missing - shift <= tolerance
 

@@ -323,11 +323,11 @@ def _is_exact(subject: Subject) -> bool:
     Fixed steps that detect an impact late are excepted: the backward run detects it late as well,
     at another position.
     """
-    is_reversible = subject.method.reversible and not _sees_impacts_late(subject)
+    is_reversible = subject.method.reversible and not _detects_impacts_late(subject)
     return is_reversible or subject.method.control == "exact"
 
 
-def _sees_impacts_late(subject: Subject) -> bool:
+def _detects_impacts_late(subject: Subject) -> bool:
     """True for fixed steps at whose ends collisions of rigid bodies are detected."""
     method = subject.method
     is_late = method.control == "step" and not method.locates_events
@@ -342,7 +342,7 @@ def _meets_too_soon(subject: Subject, level: float, bound: float) -> str | None:
     positions, `bound` in units of the length L, delays an impact by `bound` L/c, c the closing
     speed [m/s].
     """
-    if not _sees_impacts_late(subject):
+    if not _detects_impacts_late(subject):
         return None
     truth = certified(subject)
     assert truth is not None
@@ -387,11 +387,11 @@ def _claimed_defect(subject: Subject, level: float) -> float:
     # E(T) is the bound on the error at the end of the forward run.
     reached = _claimed_forward_error(subject, level)
     if _is_exact(subject):
-        return _defect_bound(subject, _rounding_come_back(subject, level), reached)
+        return _defect_bound(subject, _returned_rounding(subject, level), reached)
     return _defect_bound(subject, reached * _return_amplification(subject), reached)
 
 
-def _rounding_come_back(subject: Subject, level: float) -> float:
+def _returned_rounding(subject: Subject, level: float) -> float:
     """Bound on the error at the start due to the roundings e of one run, the sum of D(s)^-1 e.
 
     Roundings of random sign add as the root of the sum of their squares. For fixed steps they are
@@ -512,7 +512,7 @@ def _defect_from_observed_error(
     compared_level = _compared_level(subject, level)
     if truth.until < len(subject.instance.times):
         return math.inf
-    if _sees_impacts_late(subject):
+    if _detects_impacts_late(subject):
         # The delay with which a step detects an impact is random, and differs in the backward run.
         return math.inf
     has_kinks = kinked(subject.instance, subject.method)

@@ -142,16 +142,18 @@ class RigidImpact(Check):
     def _restitution(self, scene: Scene, found: Exchange, allowed: float) -> Finding:
         """The parting speed over the closing speed, against the law's."""
         given = scene.all(Contact)[0].restitution
-        seen = found.parting / found.closing
+        observed = found.parting / found.closing
         return judged(
             check=self.name,
             quantity="restitution",
-            value=abs(seen - given),
+            value=abs(observed - given),
             bound=allowed,
             sight=Sight(allowed, 1 + given),
             unit="1",
             basis=f"the speeds along the normal are those of the law, {TURNED}",
-            what=f"The error of the restitution ({seen:.12g} observed, {given:.12g} by the law)",
+            what=(
+                f"The error of the restitution ({observed:.12g} observed, {given:.12g} by the law)"
+            ),
         )
 
 
@@ -194,22 +196,22 @@ def _in_sequence(subject: Subject, plain: Trajectory, run: Trajectory) -> list[F
     scene = subject.instance.scene
     known = crossings(subject, truth)["contact"]
     alone = windows(truth, run, late_by(subject, truth, known, plain))
-    seen = [found for window in alone if (found := struck(scene, run, window)) is not None]
+    measured = [found for window in alone if (found := struck(scene, run, window)) is not None]
     findings = [
-        _worst_of(subject, run, seen, "restitution", _restitution_of, "the restitution"),
+        _worst_of(subject, run, measured, "restitution", _restitution_of, "the restitution"),
     ]
     if scene.all(Contact)[0].friction > 0:
         findings.append(
-            _worst_of(subject, run, seen, "friction", _friction_of, "the tangential impulse")
+            _worst_of(subject, run, measured, "friction", _friction_of, "the tangential impulse")
         )
-        findings.append(_worst_of(subject, run, seen, "spin", _spin_of, "the change of spins"))
+        findings.append(_worst_of(subject, run, measured, "spin", _spin_of, "the change of spins"))
     return findings
 
 
 def _worst_of(
     subject: Subject,
     run: Trajectory,
-    seen: list[Struck],
+    measured: list[Struck],
     quantity: str,
     measure: Measure,
     noun: str,
@@ -217,7 +219,7 @@ def _worst_of(
     """The finding on the impact with the largest ratio of value to bound; undecided if all bounds
     exceed HORIZON.
     """
-    departures = [measure(subject, run, found) for found in seen if found.closing > 0]
+    departures = [measure(subject, run, found) for found in measured if found.closing > 0]
     sharp = [one for one in departures if one.bound <= HORIZON]
     total = len(_list(subject))
     if not sharp:

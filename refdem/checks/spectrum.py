@@ -221,10 +221,10 @@ def lines_of(scene: Scene, t: Array, true: Array | None = None) -> Lines | None:
     if not len(t):
         return None
     free = free_motions(t, spring.stiffness / mass, damping / (2 * mass))
-    return _told_apart(lines, line_map(t, lines, free))
+    return _resolved(lines, line_map(t, lines, free))
 
 
-def _told_apart(lines: tuple[Line, ...], rows: Complex | None) -> Lines | None:
+def _resolved(lines: tuple[Line, ...], rows: Complex | None) -> Lines | None:
     """The lines and their map; None without a map, or if max_k sum_j |l_kj| > AMPLIFIED."""
     if rows is None or np.max(np.sum(np.abs(rows), axis=1)) > AMPLIFIED:
         return None
@@ -257,7 +257,7 @@ def _lines_of_cycle(scene: Scene, t: Array, true: Array | None) -> Lines | None:
     if of_settled is None:
         return None
     rows[:, is_settled] = of_settled
-    found = _told_apart(lines, rows)
+    found = _resolved(lines, rows)
     if found is None or true is None:
         return found
     return _standing_out(found, settled, true[is_settled], of_settled)
@@ -326,14 +326,14 @@ def _bounds(
     return bounds, basis
 
 
-def _what(line: Line, true: complex, seen: complex) -> str:
+def _what(line: Line, true: complex, observed: complex) -> str:
     """The phrase that names the error of a line, with what it is and what it must be."""
     if line.frequency == 0:
-        return f"The error of the shift ({seen.real:.6g} m, certified {true.real:.6g} m)"
+        return f"The error of the shift ({observed.real:.6g} m, certified {true.real:.6g} m)"
     return (
         f"The error of the line at {line.name} = {line.frequency:.4g} rad/s (amplitude"
-        f" {abs(seen):.6g} m and phase {np.angle(seen):.4f} rad, certified {abs(true):.6g} m and"
-        f" {np.angle(true):.4f} rad)"
+        f" {abs(observed):.6g} m and phase {np.angle(observed):.4f} rad, certified"
+        f" {abs(true):.6g} m and {np.angle(true):.4f} rad)"
     )
 
 

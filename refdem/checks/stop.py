@@ -128,9 +128,9 @@ class Stop(Check):
             observed = t[moving_samples[-1]]
         else:
             observed = 0.0
-        unseen = _invisible_time(subject, visible * scales.speed, place)
+        invisible_time = _invisible_time(subject, visible * scales.speed, place)
         # Sampling interval plus the time in which the motion is invisible.
-        slack = subject.instance.problem.interval + unseen
+        slack = subject.instance.problem.interval + invisible_time
         return judged(
             check=self.name,
             quantity="stop_time",
@@ -233,24 +233,24 @@ def _invisible_time(subject: Subject, speed: float, place: float) -> float:
     # a = (f - k |x_stop|)/m.
     deceleration = (friction - spring_force) / float(scene.bodies.mass.sum())
     tau = subject.instance.scales.tau
-    surely_seen = 2 * speed
+    visible_speed = 2 * speed
     # The largest speed of the last half cycle, a tau.
     fastest = deceleration * tau
-    if fastest > surely_seen:
+    if fastest > visible_speed:
         # (pi/2) v/a with v = 2 speed.
-        return float(np.pi / 2 * surely_seen / deceleration)
+        return float(np.pi / 2 * visible_speed / deceleration)
     # Never fast enough in the last half cycle, which lasts pi tau.
     longest = np.pi * tau
     truth = certified(subject)
     assert truth is not None
     if "v" in truth.values:
-        fast = np.flatnonzero(np.abs(truth.value("v")) > surely_seen)
+        fast = np.flatnonzero(np.abs(truth.value("v")) > visible_speed)
     else:
         fast = np.zeros(0, int)
-    unseen = 0.0
+    invisible_time = 0.0
     if len(fast):
-        unseen = truth.scalars["stop_time"][0] - float(subject.instance.times[fast[-1]])
-    return max(float(longest), unseen)
+        invisible_time = truth.scalars["stop_time"][0] - float(subject.instance.times[fast[-1]])
+    return max(float(longest), invisible_time)
 
 
 CHECK = Stop()

@@ -343,8 +343,8 @@ class Level:
             return least
         image = self.image(name)
         for run, other in ((self.plain, image), (image, self.plain)):
-            for seen in nearest_velocities(subject, self.level, run, truth, bounds):
-                least = np.minimum(least, distances(subject.instance, seen, other))
+            for replaced in nearest_velocities(subject, self.level, run, truth, bounds):
+                least = np.minimum(least, distances(subject.instance, replaced, other))
         return least
 
 

@@ -18,9 +18,9 @@ app = typer.Typer(
 )
 
 
-def _version(is_asked: bool) -> None:
+def _version(is_requested: bool) -> None:
     """Prints the version and ends, if it was requested."""
-    if is_asked:
+    if is_requested:
         from refdem import __version__
 
         print(f"refdem {__version__}")

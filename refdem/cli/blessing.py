@@ -10,11 +10,11 @@ if TYPE_CHECKING:
     from refdem.core.finding import Record
 
 
-def refuse_without_why(why: str, *, is_asked: bool) -> None:
+def refuse_without_why(why: str, *, is_requested: bool) -> None:
     """Raises UsageError for findings to be accepted without a reason, or a reason alone."""
-    if is_asked and not why.strip():
+    if is_requested and not why.strip():
         raise UsageError("--bless requires --why: state briefly why these findings are correct")
-    if why and not is_asked:
+    if why and not is_requested:
         raise UsageError("got --why without --bless; expected both, or neither")
 
 

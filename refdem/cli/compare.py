@@ -132,13 +132,13 @@ def digits_of(error: float) -> str:
     return f"{min(digits(error), MOST_DIGITS + 1):.1f}"
 
 
-def order_of(seen: float | None, claimed: float | None) -> str:
+def order_of(measured: float | None, claimed: float | None) -> str:
     """The measured order and the claimed one."""
     if claimed is None:
         return ""
-    if seen is None:
+    if measured is None:
         return f"? of {claimed:g}"
-    return f"{seen:.2f} of {claimed:g}"
+    return f"{measured:.2f} of {claimed:g}"
 
 
 def step_of(level: float | None, control: str, is_extrapolated: bool) -> str:

@@ -88,7 +88,7 @@ def command(
     engines, missing = plan.engines(specification)
     store = Store(default_path())
     for instance, only in plan.instances(specification):
-        print("\n".join(asked(instance)), flush=True)
+        print("\n".join(problem_lines(instance)), flush=True)
         # As in a campaign, the proof has a time limit and is kept in the store.
         with Schedule(1, specification.timeout) as schedule:
             (truth,) = sampled_truths(schedule, store, [(instance, ())], Progress())
@@ -121,7 +121,7 @@ def meanings() -> list[str]:
     return lines + [f"  {name:32}{KEPT[name]}" for name in sorted(KEPT)]
 
 
-def asked(instance: "Instance") -> list[str]:
+def problem_lines(instance: "Instance") -> list[str]:
     """Lines about a problem: its title, the features that an engine must have, those that it does
     without, and its scales.
     """

@@ -70,7 +70,7 @@ def command(
     from refdem.report import write_report
     from refdem.report.files import written_to
 
-    refuse_without_why(why, is_asked=bless)
+    refuse_without_why(why, is_requested=bless)
     for option, file in (("--junit", junit), ("--sarif", sarif), ("--markdown", markdown)):
         refuse_unwritable_file(file, option)
     if out is not None:
@@ -84,7 +84,7 @@ def command(
         text = gate_markdown.markdown(gate.engine.name, sheets)
         written_to(markdown, text, "--markdown")
     _write(sheets, toml, junit, sarif)
-    found = _resolutions(gate, is_asked=resolution)
+    found = _resolutions(gate, is_requested=resolution)
     if out is not None:
         write_report(out, [*sheets, *found], gate.store)
     if os.environ.get("GITHUB_ACTIONS") == "true":
@@ -109,11 +109,11 @@ def _judged(gate: "Gate", *, bless: bool, why: str) -> "list[Sheet]":
     return sheets
 
 
-def _resolutions(gate: "Gate", *, is_asked: bool) -> "list[Resolution]":
+def _resolutions(gate: "Gate", *, is_requested: bool) -> "list[Resolution]":
     """The resolution of the gate for the numbers of its scenes, with a printed line for each case
     and method; empty unless it was requested.
     """
-    if not is_asked:
+    if not is_requested:
         return []
     found = gate.resolution()
     for one in found:

@@ -58,7 +58,7 @@ def command(
     from refdem.planning.exchange import judged
     from refdem.report import write_report
 
-    refuse_without_why(why, is_asked=bless)
+    refuse_without_why(why, is_requested=bless)
     refuse_unwritable(out)
     # A baseline that cannot be read is refused before anything is judged.
     baselines = elsewhere.baselines(folder)

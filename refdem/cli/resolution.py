@@ -71,7 +71,7 @@ def command(
     from refdem.cli.run import workers
     from refdem.core.parameters import labelled
     from refdem.core.store import Store, default_path
-    from refdem.planning import foreseen, resolution
+    from refdem.planning import predicted_resolution, resolution
     from refdem.planning.plan import present
     from refdem.planning.specification import Entry, Specification, named
     from refdem.report import resolution as page
@@ -99,7 +99,7 @@ def command(
     if not found:
         raise UsageError("nothing was measured: none of the requested engines runs these cases")
     if computed:
-        found = [foreseen.beside(specification, one) for one in found]
+        found = [predicted_resolution.beside(specification, one) for one in found]
     if out is not None:
         page.write(out, found)
     if json:

@@ -105,8 +105,8 @@ def command(
     whole = Campaign(specification, store, count, not no_cache, progress, address)
     sheets = whole.sheets()
     moved = of_single_case(specification, store)
-    noticed = resolution.of_records(measured, sheets)
-    write_report(out, [*sheets, *noticed, *moved], store)
+    resolutions = resolution.of_records(measured, sheets)
+    write_report(out, [*sheets, *resolutions, *moved], store)
     changes = []
     if bless:
         changes = blessed(base, sheets)

@@ -199,20 +199,20 @@ def observed_order(coarse: float, fine: float) -> float:
 
 
 def order_statement(
-    seen: float, claimed: float, deficit: float, tolerance: float, detail: str
+    order: float, claimed: float, deficit: float, tolerance: float, detail: str
 ) -> str:
     """The comparison of an observed order with the claimed one, as a sentence without its stop.
 
     `deficit` is the compared value: claimed less observed order, or its limit for small steps.
     `detail` describes the data from which the order was observed.
     """
-    observed = f"Observed order {seen:.2f} ({detail})"
+    observed = f"Observed order {order:.2f} ({detail})"
     if not deficit <= tolerance:
         return (
             f"{observed} is below the claimed {claimed:g} by {deficit:.2g} (tolerance"
             f" {tolerance:.2g})"
         )
-    if claimed - seen > tolerance:
+    if claimed - order > tolerance:
         return (
             f"{observed} approaches the claimed {claimed:g} (extrapolated deficit {deficit:.2g},"
             f" tolerance {tolerance:.2g})"

@@ -222,9 +222,9 @@ class Request:
             threads=document.threads or 1,
             sensitivities=tuple(document.sensitivities or ()),
         )
-        if document.stride is not None and document.stride != request._told_stride:
+        if document.stride is not None and document.stride != request._stated_stride:
             raise UsageError(
-                f"request: stride is {document.stride}; expected {request._told_stride}, as step"
+                f"request: stride is {document.stride}; expected {request._stated_stride}, as step"
                 " and times say"
             )
         return request
@@ -289,7 +289,7 @@ class Request:
         return stride
 
     @property
-    def _told_stride(self) -> int | None:
+    def _stated_stride(self) -> int | None:
         """The `stride` of the document: steps from each sample to the next, None for a method
         without a step.
         """
@@ -334,7 +334,7 @@ class Request:
         return RequestDocument(
             method=self.method,
             step=self.step,
-            stride=self._told_stride,
+            stride=self._stated_stride,
             tolerance=self.tolerance,
             times=self.problem.times.tolist(),
             scene=self.problem.scene.document(most_listed),

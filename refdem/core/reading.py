@@ -71,7 +71,7 @@ def toml_as(
         fields = tomllib.loads(data.decode("utf-8"))
         return msgspec.convert({**(defaults or {}), **fields}, kind)
     except UNREADABLE as error:
-        raise UsageError(f"{one_line(str(path))}: {said(error, kind)}") from None
+        raise UsageError(f"{one_line(str(path))}: {error_message(error, kind)}") from None
 
 
 def json_as(kind: type[T], data: bytes, where: str) -> T:
@@ -79,10 +79,10 @@ def json_as(kind: type[T], data: bytes, where: str) -> T:
     try:
         return msgspec.json.decode(data, type=kind)
     except UNREADABLE as error:
-        raise UsageError(f"{where}: {said(error, kind)}") from None
+        raise UsageError(f"{where}: {error_message(error, kind)}") from None
 
 
-def said(error: Exception, kind: Any) -> str:
+def error_message(error: Exception, kind: Any) -> str:
     """The message, on one line, of an error of decoding a `kind`.
 
     For an unknown field or word it suggests the most similar known one.

@@ -3,7 +3,7 @@
 import msgspec
 
 
-class Seen(msgspec.Struct, frozen=True, kw_only=True, omit_defaults=True):
+class NumberResolution(msgspec.Struct, frozen=True, kw_only=True, omit_defaults=True):
     """The resolution for one number: the `smallest` relative misreading with which some finding
     fails, and `by`, the check and quantity that does; None and the `reason` if none is detected.
 
@@ -40,20 +40,20 @@ class Resolution(msgspec.Struct, frozen=True, kw_only=True, tag="resolution", ta
     label: str
     engine: str
     method: str
-    numbers: tuple[Seen, ...]
+    numbers: tuple[NumberResolution, ...]
 
     @property
     def sentence(self) -> str:
         """The misreadings that would be detected, smallest first, and the numbers of which none
         would be, each with the reason; empty for a scene without numbers.
         """
-        noticed = [seen for seen in self.numbers if seen.smallest is not None]
-        noticed.sort(key=lambda seen: seen.smallest or 0.0)
-        parts = [f"{seen.number} {seen.size}" for seen in noticed]
+        detected = [entry for entry in self.numbers if entry.smallest is not None]
+        detected.sort(key=lambda entry: entry.smallest or 0.0)
+        parts = [f"{entry.number} {entry.size}" for entry in detected]
         parts += [
-            f"no misreading of {seen.number}, because {seen.reason}"
-            for seen in self.numbers
-            if seen.smallest is None
+            f"no misreading of {entry.number}, because {entry.reason}"
+            for entry in self.numbers
+            if entry.smallest is None
         ]
         if not parts:
             return ""

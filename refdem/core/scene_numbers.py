@@ -173,7 +173,7 @@ def observed_slopes(
     for name, quantity in instance.quantities.items():
         if name not in shown[0]:
             continue
-        away = {k: seen[name] - shown[0][name] for k, seen in shown.items()}
+        away = {k: displaced_values[name] - shown[0][name] for k, displaced_values in shown.items()}
         if quantity.angle:
             # The representative of the difference in [-pi, pi).
             away = {k: np.remainder(by + np.pi, 2 * np.pi) - np.pi for k, by in away.items()}

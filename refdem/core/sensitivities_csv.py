@@ -30,14 +30,14 @@ SAME_TIME = 1e-9
 """Largest difference of times in the two files, relative to the largest time."""
 
 
-def with_sensitivities(trajectory: Trajectory, path: Path, asked: Sequence[str]) -> Trajectory:
-    """A trajectory with the requested derivatives, by the numbers `asked`, from the file beside it;
+def with_sensitivities(trajectory: Trajectory, path: Path, requested: Sequence[str]) -> Trajectory:
+    """A trajectory with the derivatives by the `requested` numbers, from the file beside it;
     unchanged if none are requested. Raises EngineError, naming the line, if the file is wrong.
     """
-    if not asked:
+    if not requested:
         return trajectory
     samples, bodies, _ = trajectory.position.shape
-    count = len(asked) * samples * bodies
+    count = len(requested) * samples * bodies
     # One row more than expected is read, so that a file with more rows is noticed.
     lines = csv_lines(path, count + 2, SENSITIVITY_COLUMNS)
     _, first = next(lines, (1, []))
@@ -48,13 +48,13 @@ def with_sensitivities(trajectory: Trajectory, path: Path, asked: Sequence[str])
             f" {','.join(SENSITIVITY_COLUMNS)}"
         )
     width = len(SENSITIVITY_COLUMNS) - STATE_BEGINS
-    derivatives = np.zeros((len(asked), samples, bodies, width))
+    derivatives = np.zeros((len(requested), samples, bodies, width))
     found = 0
     for number, line in lines:
         if found < count:
             place = np.unravel_index(found, derivatives.shape[:3])
             key, sample, body = (int(index) for index in place)
-            expected = asked[key], float(trajectory.t[sample]), body
+            expected = requested[key], float(trajectory.t[sample]), body
             where = f"{path.name} line {number}"
             _refuse_misplaced(line, expected, float(np.max(np.abs(trajectory.t))), where)
             derivatives[place] = _slopes(line, where)
@@ -64,10 +64,10 @@ def with_sensitivities(trajectory: Trajectory, path: Path, asked: Sequence[str])
         if found < count:
             actual = f"{found} rows"
         raise EngineError(
-            f"{path.name} has {actual}; expected {count}: {len(asked)} numbers of {samples} samples"
-            f" of {bodies} bodies"
+            f"{path.name} has {actual}; expected {count}: {len(requested)} numbers of {samples}"
+            f" samples of {bodies} bodies"
         )
-    return replace(trajectory, derivatives=dict(zip(asked, derivatives, strict=True)))
+    return replace(trajectory, derivatives=dict(zip(requested, derivatives, strict=True)))
 
 
 def _refuse_misplaced(
@@ -77,13 +77,13 @@ def _refuse_misplaced(
     if len(line) != len(SENSITIVITY_COLUMNS):
         raise EngineError(f"{where} has {len(line)} columns; expected {len(SENSITIVITY_COLUMNS)}")
     key, t, body = expected
-    told_time = number_in(line[1])
-    told_body = number_in(line[2])
-    is_at_time = told_time is not None and abs(told_time - t) <= SAME_TIME * longest
-    if line[0].strip() != key or not is_at_time or told_body != body:
-        told = one_line(",".join(line[:STATE_BEGINS]), 120)
+    actual_time = number_in(line[1])
+    actual_body = number_in(line[2])
+    is_at_time = actual_time is not None and abs(actual_time - t) <= SAME_TIME * longest
+    if line[0].strip() != key or not is_at_time or actual_body != body:
+        actual = one_line(",".join(line[:STATE_BEGINS]), 120)
         raise EngineError(
-            f"{where} begins with {told!r}; expected {key},{t:.17g},{body}: the numbers in the"
+            f"{where} begins with {actual!r}; expected {key},{t:.17g},{body}: the numbers in the"
             " order of the request, each with all samples and bodies"
         )
 

@@ -228,22 +228,22 @@ def misreading(
     `seconds` [s].
     """
     p = instance.case.written_out(instance.p)
-    seen = Observed(instance, run, finer)
-    if not seen.samples:
+    observed = Observed(instance, run, finer)
+    if not observed.samples:
         raise NotCertifiedError("no sample of the run lies where truth is certified")
-    last = seen.time(seen.samples[-1])
+    last = observed.time(observed.samples[-1])
     if FIT_COST * instance.truth().forecast(last, DIGITS) > seconds:
         raise NotCertifiedError(f"derivatives would take longer than {seconds:g} s")
-    deviations = seen.deviations(p)
-    deviation = float(np.max(np.abs(deviations.reshape(seen.noise.shape) * seen.noise)))
+    deviations = observed.deviations(p)
+    deviation = float(np.max(np.abs(deviations.reshape(observed.noise.shape) * observed.noise)))
     if np.max(np.abs(deviations)) <= MAX_NOISE_RATIO:
         return Misreading(deviation, is_noise=True)
     numbers = list(numbers_of(p))
-    matrix = seen.slopes(p, numbers)
+    matrix = observed.slopes(p, numbers)
     for count in range(1, MOST + 1):
         fits = []
         for chosen in best_subsets(deviations, matrix, count):
-            fit = gauss_newton_fit(seen, p, [numbers[k] for k in chosen], matrix[:, chosen])
+            fit = gauss_newton_fit(observed, p, [numbers[k] for k in chosen], matrix[:, chosen])
             if fit is not None and fit.is_within_noise and fit.is_small:
                 fits.append(fit)
         if fits:
@@ -271,12 +271,12 @@ def best_subsets(deviations: Array, matrix: Array, count: int) -> list[tuple[int
 
 
 def gauss_newton_fit(
-    seen: Observed, p: Parameters, numbers: Sequence[Number], matrix: Array
+    observed: Observed, p: Parameters, numbers: Sequence[Number], matrix: Array
 ) -> Fit | None:
     """The fit of some parameters by a Gauss-Newton iteration with the derivatives `matrix` at those
     of the case; None if the first step leaves the range of the parameters.
     """
-    begin = seen.deviations(p)
+    begin = observed.deviations(p)
     square_at_begin = float(begin @ begin)
     residual = begin
     moved = p
@@ -288,7 +288,7 @@ def gauss_newton_fit(
             step = np.linalg.lstsq(matrix, residual)[0]
             for number, amount in zip(numbers, step, strict=True):
                 moved = number.set_in(moved, number.of(moved) + Fraction(float(amount)))
-            residual = seen.deviations(moved)
+            residual = observed.deviations(moved)
             amounts = tuple(float(number.of(moved) - number.of(p)) for number in numbers)
             # 1 - |residual|^2/|deviation|^2.
             explains = 1.0 - float(residual @ residual) / square_at_begin

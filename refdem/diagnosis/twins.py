@@ -352,14 +352,16 @@ class TwinComparison:
             for method in METHODS
             if engine.unsupported(self.request.problem, method) is None
         ]
-        asked = [(name, self.step) for name in supported_methods if self.request.step is not None]
+        candidates = [
+            (name, self.step) for name in supported_methods if self.request.step is not None
+        ]
         best = next(
             (name for name in ("rk4", "verlet", "suzuki") if name in supported_methods), None
         )
         if best is not None:
-            asked.append((best, self.step / FINER))
+            candidates.append((best, self.step / FINER))
         twins = {}
-        for method, step in asked:
+        for method, step in candidates:
             called = self.called.setdefault(method, set())
             distance = self.distance(self.ran(Transparent(recording_parts(called)), method, step))
             if distance is not None:
@@ -371,24 +373,24 @@ class TwinComparison:
     ) -> Trajectory | None:
         """A twin's run over the first `samples` (None: all); None if its fault makes it fail."""
         motion = self.request.problem
-        asked = replace(self.request, method=method, step=step, tolerance=None).with_scene(
+        request = replace(self.request, method=method, step=step, tolerance=None).with_scene(
             motion.scene, motion.times[:samples]
         )
         try:
             with np.errstate(all="ignore"):
                 if isinstance(engine, Carrier) and engine.fault.after is not None:
-                    return engine.fault.after(asked, self._answer(asked))
-                return engine.run(asked)[0]
+                    return engine.fault.after(request, self._answer(request))
+                return engine.run(request)[0]
         except (
             Exception
         ):  # a fault may break anything; such a twin explains no run that went on to its end
             return None
 
-    def _answer(self, asked: Request) -> Trajectory:
+    def _answer(self, request: Request) -> Trajectory:
         """The run of the twin without fault, cached for all faults that change the answer alone."""
-        key = (asked.method, asked.step, len(asked.problem.times))
+        key = (request.method, request.step, len(request.problem.times))
         if key not in self.answers:
-            self.answers[key] = Transparent().run(asked)[0]
+            self.answers[key] = Transparent().run(request)[0]
         return self.answers[key]
 
     def distance(self, twin: Trajectory | None) -> float | None:

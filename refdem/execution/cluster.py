@@ -77,7 +77,7 @@ class Cluster:
         """Connects; raises ClusterError unless there are workers and all have the expected code."""
         self._client = connected(self._address)
         try:
-            with _noticed(self._address):
+            with _reporting_loss(self._address):
                 self._wait_for_workers()
                 self._refuse_misfits()
         except BaseException:
@@ -181,7 +181,7 @@ class _Distribution:
         if self._client.status != "running":
             raise _gone(self._address)
         self._looked = now
-        with _noticed(self._address):
+        with _reporting_loss(self._address):
             self._threads = sum(self._client.nthreads().values())
         if self._threads:
             self._peopled = now
@@ -234,7 +234,7 @@ class _Distribution:
             errands=[self._errand(job, now) for job in jobs],
         )
         # Each batch has a unique key: Dask would return the old result for an equal key.
-        with _noticed(self._address):
+        with _reporting_loss(self._address):
             future = self._client.submit(
                 remote.made, msgspec.msgpack.encode(batch), key=f"refdem-{uuid.uuid4().hex}"
             )
@@ -336,7 +336,7 @@ def _gone(address: str) -> ClusterError:
 
 
 @contextlib.contextmanager
-def _noticed(address: str) -> Iterator[None]:
+def _reporting_loss(address: str) -> Iterator[None]:
     """Within this context an error of the connection is raised as a lost scheduler."""
     try:
         yield

@@ -57,7 +57,7 @@ class PipeLock:
         end = time.monotonic() + timeout
         if not self._of_threads.acquire(timeout=min(timeout, threading.TIMEOUT_MAX)):
             return False
-        if self._times == 0 and not self._comes(end):
+        if self._times == 0 and not self._is_got_before(end):
             self._of_threads.release()
             return False
         self._times += 1
@@ -70,7 +70,7 @@ class PipeLock:
             fcntl.lockf(self._end.fileno(), fcntl.LOCK_UN)
         self._of_threads.release()
 
-    def _comes(self, end: float) -> bool:
+    def _is_got_before(self, end: float) -> bool:
         """True if this process gets the record lock before `end` [s] of the monotonic clock."""
         while not self._is_got():
             if time.monotonic() >= end:

@@ -24,7 +24,7 @@ from refdem.scene.elements.rod import Rod
 from refdem.scene.elements.slider import Slider
 
 
-def told_forces() -> dict[type[Element], Callable[..., Vector]]:
+def point_forces() -> dict[type[Element], Callable[..., Vector]]:
     """The force on points of every kind of element that defines one, by kind. The functions have
     the arguments of `Field.force` or `Link.force`, after the element.
     """
@@ -276,7 +276,7 @@ S4 = 1.0 / (4.0 - 4.0 ** (1.0 / 3.0))
 
 
 CORRECT = Parts(
-    forces=told_forces(),
+    forces=point_forces(),
     gyroscopic=gyroscopic,
     turn_rate=turn_rate,
     turned=turned,

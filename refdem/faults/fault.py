@@ -87,10 +87,10 @@ class Carrier(Engine):
     def run(self, request: Request) -> tuple[Trajectory, Cost]:
         """The run of the engine, with the request or the trajectory changed by the fault."""
         if self.fault.before:
-            asked = self.fault.before(request)
+            changed = self.fault.before(request)
         else:
-            asked = request
-        trajectory, cost = self.engine.run(asked)
+            changed = request
+        trajectory, cost = self.engine.run(changed)
         if self.fault.after:
             trajectory = self.fault.after(request, trajectory)
         return trajectory, cost

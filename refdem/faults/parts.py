@@ -70,7 +70,7 @@ class TangentParts:
 
     time_to_impact: Callable[[Any], Any]
     time_left: Callable[[Any, Any], Any]
-    told: Callable[[Any, Any], Any]
+    reported_state: Callable[[Any, Any], Any]
 
 
 class LoadsOfState(Protocol):

@@ -340,7 +340,7 @@ def run(request: Request, parts: Parts) -> tuple[Trajectory, Cost]:
             reached = t[count - 1] + step * h
             state, told = advance(world, parts, before, h, reached)
             events += told
-        carried = parts.tangent.told(before, state)
+        carried = parts.tangent.reported_state(before, state)
         rows.append(_row(bodies, state, carried, t[count] - start))
     numbers = np.array([[[entry.value for entry in body] for body, _ in row] for row in rows])
     slopes = np.array([[[entry.slopes for entry in body] for _, body in row] for row in rows])
@@ -387,9 +387,11 @@ def time_left(left: Any, time: Any) -> Any:
     return left - time
 
 
-def told(before: Any, after: Any) -> Any:
+def reported_state(before: Any, after: Any) -> Any:
     """The state whose derivatives are reported at a sample: that after the last step."""
     return after
 
 
-CORRECT_TANGENT = TangentParts(time_to_impact=time_to_impact, time_left=time_left, told=told)
+CORRECT_TANGENT = TangentParts(
+    time_to_impact=time_to_impact, time_left=time_left, reported_state=reported_state
+)

@@ -25,9 +25,9 @@ def orbit(eta: str, periods: int = 12, **parameters: Any) -> ObservedRun:
     """A motion after SKIPPED periods of the drive, over some more; one sample stands for what was
     left out.
     """
-    asked = instance("stick-slip", eta=eta, **parameters)
-    remember(command(asked))
-    period = 2 * np.pi / asked.p.eta
+    case_instance = instance("stick-slip", eta=eta, **parameters)
+    remember(command(case_instance))
+    period = 2 * np.pi / case_instance.p.eta
     shown = np.arange(periods * PER_PERIOD + 1) / PER_PERIOD
     t = np.r_[0.0, (SKIPPED + shown) * period]
     return observed_at("stick-slip", t, eta=eta, **parameters)
@@ -36,9 +36,9 @@ def orbit(eta: str, periods: int = 12, **parameters: Any) -> ObservedRun:
 def section(eta: Array, *, skip: int, keep: int, **parameters: Any) -> Any:
     """The reference's section v = 0, x > 0 at the frequencies (M,), with exponents."""
     reference: Any = discovery.engine("reference")
-    asked = instance("stick-slip", **parameters)
-    remember(command(asked))
-    return reference.section(asked.problem, eta, skip=skip, keep=keep)
+    case_instance = instance("stick-slip", **parameters)
+    remember(command(case_instance))
+    return reference.section(case_instance.problem, eta, skip=skip, keep=keep)
 
 
 def exponents(eta: Array, **parameters: Any) -> Any:

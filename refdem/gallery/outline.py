@@ -36,15 +36,15 @@ def carried(duration: float, samples: int, **parameters: Any) -> Outline:
     """The head of `phase-flow` at these parameters: a coarse run tells how its sides stretch, a
     fine one is kept.
     """
-    asked = instance(
+    case_instance = instance(
         "phase-flow", duration=repr(float(duration)), samples=samples, points=COARSE, **parameters
     )
-    remember(command(asked))
-    case = asked.case
-    coarse = asked.problem
+    remember(command(case_instance))
+    case = case_instance.case
+    coarse = case_instance.problem
     assert isinstance(case, EnsembleCase)
     assert isinstance(coarse, Ensemble)
-    x, v = case.outline(asked.p, answer(coarse))
+    x, v = case.outline(case_instance.p, answer(coarse))
     # Length (M,) of each side of the closed outline at the time when it is longest.
     across = np.diff(x, axis=1, append=x[:, :1])
     up = np.diff(v, axis=1, append=v[:, :1])
@@ -55,9 +55,9 @@ def carried(duration: float, samples: int, **parameters: Any) -> Outline:
     while cuts.sum() < FINE:
         cuts += 1
     begin = finer(np.stack((x[0], v[0]), axis=1), cuts)
-    fine = Ensemble(coarse.scene, coarse.times, *case.starts(asked.p, begin))
+    fine = Ensemble(coarse.scene, coarse.times, *case.starts(case_instance.p, begin))
     trajectory = answer(fine)
-    return Outline(trajectory.t, *case.outline(asked.p, trajectory))
+    return Outline(trajectory.t, *case.outline(case_instance.p, trajectory))
 
 
 def finer(outline: Array, cuts: Any) -> Array:

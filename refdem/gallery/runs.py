@@ -63,10 +63,10 @@ def instance(case: str, **parameters: Any) -> Instance:
 
 def observed(case: str, **parameters: Any) -> ObservedRun:
     """The run of a case by the reference's cheapest method; its command is remembered."""
-    asked = instance(case, **parameters)
-    remember(command(asked))
-    trajectory = answer(asked.problem)
-    return ObservedRun(asked, trajectory, asked.observe(trajectory))
+    case_instance = instance(case, **parameters)
+    remember(command(case_instance))
+    trajectory = answer(case_instance.problem)
+    return ObservedRun(case_instance, trajectory, case_instance.observe(trajectory))
 
 
 def observed_at(case: str, times: Array, **parameters: Any) -> ObservedRun:
@@ -74,9 +74,9 @@ def observed_at(case: str, times: Array, **parameters: Any) -> ObservedRun:
 
     It is one of many for a curve, so that its command is not remembered.
     """
-    asked = instance(case, **parameters)
-    trajectory = answer(Motion(asked.scene, times))
-    return ObservedRun(asked, trajectory, asked.observe(trajectory))
+    case_instance = instance(case, **parameters)
+    trajectory = answer(Motion(case_instance.scene, times))
+    return ObservedRun(case_instance, trajectory, case_instance.observe(trajectory))
 
 
 def answer(problem: Problem) -> Trajectory:
@@ -88,13 +88,13 @@ def answer(problem: Problem) -> Trajectory:
     return trajectory
 
 
-def command(asked: Instance) -> str:
+def command(case_instance: Instance) -> str:
     """The command line that judges a run of the reference at these parameters."""
     given = ""
-    for name, value in asked.p.changed().items():
+    for name, value in case_instance.p.changed().items():
         assignment = f"{name}={value}"
         given += f" --set {shlex.quote(assignment)}"
-    return f"refdem run {asked.case.id}{given} --engine reference"
+    return f"refdem run {case_instance.case.id}{given} --engine reference"
 
 
 def _text(value: Any) -> str:

@@ -168,7 +168,7 @@ def differences(before: dict[str, Accepted], records: list[Record]) -> list[str]
     now = _decided(records)
     gone = [f"- {name}: {before[name].outcome}" for name in sorted(before.keys() - now.keys())]
     other = [
-        f"~ {name}: {_told(before[name])} -> {_told(now[name])}"
+        f"~ {name}: {_outcome_and_size(before[name])} -> {_outcome_and_size(now[name])}"
         for name in sorted(now.keys() & before.keys())
         if not _agree(before[name], now[name])
     ]
@@ -204,7 +204,7 @@ def _agree(old: Accepted, new: Accepted) -> bool:
     return old.outcome == new.outcome and _near(old.size, new.size)
 
 
-def _told(entry: Accepted) -> str:
+def _outcome_and_size(entry: Accepted) -> str:
     """The outcome of a finding and its size."""
     return f"{entry.outcome} {_number(entry.size)}"
 

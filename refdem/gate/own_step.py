@@ -13,7 +13,7 @@ from refdem.core.problem import Motion, Request
 from refdem.core.refusal import engine_cannot
 from refdem.core.trajectory import Cost, Trajectory
 from refdem.errors import UsageError
-from refdem.scene.acceleration import Acceleration, acceleration, lacking
+from refdem.scene.acceleration import Acceleration, acceleration, unsupported_feature
 
 Array = NDArray[np.float64]
 Step = Callable[[float, Array, Array, float, Acceleration], tuple[Array, Array]]
@@ -45,10 +45,10 @@ class OwnStep(Engine):
 
     def unsupported_motion(self, problem: Motion, method: Method) -> str | None:
         """None for points in forces, else the unsupported feature of the scene."""
-        lacks = lacking(problem.scene)
-        if lacks is None:
+        feature = unsupported_feature(problem.scene)
+        if feature is None:
             return None
-        return engine_cannot(f"{lacks} in a step of points")
+        return engine_cannot(f"{feature} in a step of points")
 
     def run(self, request: Request) -> tuple[Trajectory, Cost]:
         """Makes the steps from sample to sample; raises UsageError for a step that returns anything

@@ -74,10 +74,10 @@ def body_axes_have_second_rates() -> Measured:
     )
     # The second difference of five points: its error is h^4 q^(6)/90.
     difference = 16 * (before + after) - (before2 + after2) - 30 * q
-    seen = difference / (12 * float(h) ** 2)
+    by_differences = difference / (12 * float(h) ** 2)
     return (
         ("q'' [1/s^2] from omega in body axes, t = 1 s of the free rigid body", vector(second)),
-        ("q'' [1/s^2] by differences of certified attitudes", vector(seen)),
+        ("q'' [1/s^2] by differences of certified attitudes", vector(by_differences)),
     )
 
 

@@ -130,10 +130,10 @@ def parameters(given: Mapping[str, str], method: str = "") -> str:
     """Parameters, and a method if one is named, as the command line reads them; empty at the
     defaults.
     """
-    said = [f"--set {name}={value}" for name, value in given.items()]
+    options = [f"--set {name}={value}" for name, value in given.items()]
     if method:
-        said.append(f"--method {method}")
-    return " ".join(said)
+        options.append(f"--method {method}")
+    return " ".join(options)
 
 
 def engines(item: Item) -> Iterator[str]:
@@ -166,8 +166,8 @@ def _answered(engine: Engine, item: Item) -> int:
     most = 0
     for method in _methods(engine, instance):
         trajectory, _ = engine.run(Request(problem=instance.problem, method=method))
-        seen = instance.observe(trajectory)
-        answers = [set(item.quantities_of(number)) <= set(seen) for number in item.numbers]
+        observed = instance.observe(trajectory)
+        answers = [set(item.quantities_of(number)) <= set(observed) for number in item.numbers]
         most = max(most, sum(answers))
     return most
 

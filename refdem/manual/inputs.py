@@ -34,8 +34,8 @@ def digests(folder: Path) -> dict[str, str]:
     for name in discovery.names("cases"):
         case = discovery.case(name)
         if not isinstance(case, Selection):
-            said = list(checks(case.at()))
-            sources = f"{writers}{said}{_own(name, folder)}"
+            described = list(checks(case.at()))
+            sources = f"{writers}{described}{_own(name, folder)}"
             by_case[name] = hashlib.sha256(sources.encode()).hexdigest()
     return by_case
 

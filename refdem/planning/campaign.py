@@ -21,7 +21,7 @@ from refdem.execution.spool import Spool, spool
 from refdem.planning import plan, required, sheets, unchanged
 from refdem.planning.records import records
 from refdem.planning.replays import replays
-from refdem.planning.runs import Asked, Hangs, Runner
+from refdem.planning.runs import Hangs, RequestedRun, Runner
 from refdem.planning.specification import Specification
 from refdem.planning.truths import is_lasting, sampled_truths
 
@@ -41,7 +41,7 @@ class Campaign:
     use_store: bool = True
     progress: Progress = lambda stage, done, total: None
     scheduler: str = ""
-    asking: Callable[[Asked], None] = lambda asked: None
+    on_request: Callable[[RequestedRun], None] = lambda requested: None
     """Called with each run that is needed, before it is made or read."""
 
     def sheets(self) -> list[Sheet]:
@@ -106,7 +106,7 @@ class Campaign:
                 deadlines=deadlines,
                 hangs=Hangs(),
                 progress=self.progress,
-                asking=self.asking,
+                on_request=self.on_request,
             )
             judged_records, runs = records(
                 runner, tasks, versions, self.specification.perturbed_ulps

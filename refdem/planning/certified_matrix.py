@@ -42,7 +42,7 @@ def _proved(case: str, given: Given, times: tuple[float, ...]) -> CertifiedMatri
     return CertifiedMatrix(p, tuple(numbers_of(p)), tuple(of))
 
 
-def asked_numbers(instance: Instance, method: Method) -> tuple[str, ...]:
+def requested_numbers(instance: Instance, method: Method) -> tuple[str, ...]:
     """The keys of the numbers of the scene on which some number of the case acts, as far as the
     method differentiates by them.
     """

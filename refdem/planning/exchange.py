@@ -41,7 +41,7 @@ from refdem.engines.external.serving import line_of
 from refdem.errors import UNREADABLE, EngineError, StoreError, UnsupportedError, UsageError
 from refdem.execution.schedule import Progress
 from refdem.planning.campaign import Campaign
-from refdem.planning.runs import Asked
+from refdem.planning.runs import RequestedRun
 from refdem.planning.specification import Entry, Specification
 from refdem.scene import bodies_file
 
@@ -98,7 +98,7 @@ class Elsewhere(Engine):
         self.folder = folder
         self.writes = writes
         self.labels: dict[str, str] = {}
-        self.asked: Counter[str] = Counter()
+        self.requests: Counter[str] = Counter()
         self.waiting: list[str] = []
         self.lines: list[str] = []
         self.answers = answers(folder)
@@ -140,13 +140,13 @@ class Elsewhere(Engine):
         if refused is not None:
             reason = _last_words(refused)
             raise UnsupportedError(reason or f"the program wrote {REFUSED}")
-        said = self.answers.get(name, {})
-        if "unsupported" in said:
+        answer = self.answers.get(name, {})
+        if "unsupported" in answer:
             raise UnsupportedError(
-                one_line(str(said["unsupported"]))[-LAST_WORDS:] or "not supported"
+                one_line(str(answer["unsupported"]))[-LAST_WORDS:] or "not supported"
             )
-        if "failed" in said:
-            raise EngineError(f"{name} failed: {one_line(str(said['failed']))[-LAST_WORDS:]}")
+        if "failed" in answer:
+            raise EngineError(f"{name} failed: {one_line(str(answer['failed']))[-LAST_WORDS:]}")
         if not any((folder / FILES[file]).is_file() for file in ("trajectory", "trajectory_npy")):
             self.waiting.append(name)
             paths = {file: f"{name}/{place}" for file, place in FILES.items()}
@@ -189,9 +189,9 @@ class Elsewhere(Engine):
         if request.tolerance is not None:
             words.append(f"tolerance={request.tolerance:.6g}")
         name = "_".join([*words, key[:DIGITS]])
-        self.asked[key] += 1
-        if self.asked[key] > 1:
-            name += f"-{self.asked[key]}"
+        self.requests[key] += 1
+        if self.requests[key] > 1:
+            name += f"-{self.requests[key]}"
         return name
 
 
@@ -225,11 +225,11 @@ def answers(folder: Path) -> dict[str, dict[str, Any]]:
     for path in sorted(folder.glob(ANSWERS)):
         for line in content(plain(path), "the lines that a program answered").splitlines():
             try:
-                said = json.loads(line)
+                answer = json.loads(line)
             except UNREADABLE:
                 continue
-            if isinstance(said, dict) and isinstance(said.get("id"), str):
-                found[said["id"]] = said
+            if isinstance(answer, dict) and isinstance(answer.get("id"), str):
+                found[answer["id"]] = answer
     return found
 
 
@@ -315,10 +315,10 @@ def read(folder: Path) -> Manifest:
     if manifest.format != FORMAT:
         raise UsageError(f"{path} has format {manifest.format}; expected {FORMAT}: export again")
     if not manifest.case or not manifest.versions:
-        lacking = "case"
+        missing = "case"
         if manifest.case:
-            lacking = "program"
-        raise UsageError(f"{path} names no {lacking}, so there is nothing to judge; export again")
+            missing = "program"
+        raise UsageError(f"{path} names no {missing}, so there is nothing to judge; export again")
     for name in manifest.versions:
         if not NAME.fullmatch(name):
             raise UsageError(
@@ -361,12 +361,12 @@ def _campaign(
             levels=manifest.levels,
         )
 
-        def note(asked: Asked) -> None:
-            label = asked.task.subject.instance.label
-            by_name[asked.task.engine.name].note(label, asked.request)
+        def note(requested: RequestedRun) -> None:
+            label = requested.task.subject.instance.label
+            by_name[requested.task.engine.name].note(label, requested.request)
 
         campaign = Campaign(
-            specification, store, jobs=0, use_store=False, progress=progress, asking=note
+            specification, store, jobs=0, use_store=False, progress=progress, on_request=note
         )
         sheets = campaign.sheets()
     return sheets, engines

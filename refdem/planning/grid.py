@@ -134,5 +134,7 @@ def _exact(text: str, name: str) -> Fraction:
 def _refuse_many(count: int, words: str) -> None:
     """Raises UsageError for more than MOST of what the words say, as `--set gives {} settings`."""
     if count > MOST:
-        said = words.format(one_line(str(count), 40))
-        raise UsageError(f"{said}; expected at most {MOST}: take larger steps, or several sweeps")
+        statement = words.format(one_line(str(count), 40))
+        raise UsageError(
+            f"{statement}; expected at most {MOST}: take larger steps, or several sweeps"
+        )

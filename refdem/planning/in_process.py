@@ -88,11 +88,11 @@ def run_of(engine: Engine, request: Request) -> Run:
     """
     try:
         # Packed and unpacked, the request is what a worker process would get.
-        asked = Request.unpacked(request.packed())
+        received = Request.unpacked(request.packed())
     except RefdemError as error:
         reply = worker.Reply(failure=Failure(kind="contract", sentence=str(error)))
     else:
-        reply = finished(worker.reply_of(engine.name, asked, engine))
+        reply = finished(worker.reply_of(engine.name, received, engine))
     return Run(
         key="",
         request=request,

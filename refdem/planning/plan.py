@@ -24,7 +24,7 @@ from refdem.core.trajectory import Trajectory
 from refdem.core.truth import SampledTruth
 from refdem.core.variant import Variant
 from refdem.errors import EngineMissingError, UsageError
-from refdem.planning.certified_matrix import asked_numbers, certified_matrix
+from refdem.planning.certified_matrix import certified_matrix, requested_numbers
 from refdem.planning.specification import Specification
 
 ESCAPES = "the motion is infinite before"
@@ -65,9 +65,9 @@ class Task:
 
 def in_order(variants: Iterable[Variant]) -> tuple[Variant, ...]:
     """Variants without repetition; the plain runs from whose ends some continue come first."""
-    asked = list(variants)
-    bases = [variant.base for variant in asked if variant.goes_on]
-    return tuple(dict.fromkeys([*bases, *asked]))
+    requested = list(variants)
+    bases = [variant.base for variant in requested if variant.goes_on]
+    return tuple(dict.fromkeys([*bases, *requested]))
 
 
 Supported = tuple[Subject, str | None]
@@ -87,7 +87,7 @@ class Row:
     @property
     def is_judged(self) -> bool:
         """True if some method of some engine supports the instance."""
-        reasons = [reason for _, asked in self.subjects for _, reason in asked]
+        reasons = [reason for _, supported in self.subjects for _, reason in supported]
         return None in reasons
 
     @property
@@ -96,8 +96,8 @@ class Row:
         sorted.
         """
         delays: set[float] = set()
-        for _, asked in self.subjects:
-            for subject, _ in asked:
+        for _, supported in self.subjects:
+            for subject, _ in supported:
                 if subject.method.velocity_time != "synchronous":
                     levels = refinement.order_levels(self.instance, subject.method, subject.levels)
                     delays |= {subject.method.delay(level) for level in levels}
@@ -387,7 +387,7 @@ def request(
     if variant.change == "threads":
         return replace(plain, threads=variant.amount)
     if variant.change == "differentiated":
-        return replace(plain, sensitivities=asked_numbers(task.subject.instance, task.method))
+        return replace(plain, sensitivities=requested_numbers(task.subject.instance, task.method))
     if variant.change == "perturbed":
         return replace(plain, problem=problem.perturbed(variant.amount))
     if not isinstance(problem, Motion):

@@ -13,7 +13,7 @@ from refdem.core.variant import Variant
 from refdem.planning import judging, runs
 from refdem.planning.deviations import of_engine
 from refdem.planning.plan import Task
-from refdem.planning.runs import Asked, Place, Recent, Runner, Runs
+from refdem.planning.runs import Place, Recent, RequestedRun, Runner, Runs
 
 
 def records(
@@ -34,14 +34,16 @@ def records(
             judge.judge(number)
     stage = "runs"
     while wanted:
-        from_start = runs.asked_of(tasks, wanted, fingerprints, ulps)
+        from_start = runs.requested_runs(tasks, wanted, fingerprints, ulps)
         # Runs that continue from the end of another run are requested when that one has ended.
-        waiting = {number for number, asked in wanted.items() if any(v.goes_on for v in asked)}
+        waiting = {
+            number for number, requested in wanted.items() if any(v.goes_on for v in requested)
+        }
         more = {}
         for number in judge.completed(runner.runs(from_start, stage), from_start):
             if number not in waiting:
                 more[number] = judge.judge(number)
-        going_on = runs.asked_of(tasks, wanted, fingerprints, 0, judge.runs)
+        going_on = runs.requested_runs(tasks, wanted, fingerprints, 0, judge.runs)
         for number in judge.completed(runner.runs(going_on, f"{stage} that go on"), going_on):
             more[number] = judge.judge(number)
         # Nothing continues from the end of a run that failed.
@@ -66,14 +68,14 @@ class _Judge:
         self._expected = {name: of_engine(engine) for name, engine in engines.items()}
 
     def completed(
-        self, ended: Iterable[tuple[Asked, Run]], asked: Iterable[Asked]
+        self, ended: Iterable[tuple[RequestedRun, Run]], requested: Iterable[RequestedRun]
     ) -> Iterator[int]:
         """The numbers of the tasks all of whose requested runs have ended.
 
         These tasks now have their runs, in the order in which they were requested.
         """
         places: dict[int, list[Place]] = {}
-        for one in asked:
+        for one in requested:
             places.setdefault(one.place[0], []).append(one.place)
         found: dict[int, dict[Place, Run]] = {number: {} for number in places}
         for one, run in ended:

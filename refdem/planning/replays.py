@@ -308,11 +308,11 @@ def _largest(vectors: Array) -> float:
 
 def _contacts(events: tuple[Event, ...], t: Array, frames: Any) -> tuple[tuple[int, int], ...]:
     """(frame, body) of the contacts that a run reports, at the first frame not before each."""
-    told = [(event.time, event.body) for event in events if event.kind == "contact"]
-    numbers = np.searchsorted(t[frames], [time for time, _ in told])
+    contacts = [(event.time, event.body) for event in events if event.kind == "contact"]
+    numbers = np.searchsorted(t[frames], [time for time, _ in contacts])
     pairs = {
         (int(number), body)
-        for number, (_, body) in zip(numbers, told, strict=True)
+        for number, (_, body) in zip(numbers, contacts, strict=True)
         if number < len(frames)
     }
     return tuple(sorted(pairs)[:MOST_CONTACTS])

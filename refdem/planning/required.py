@@ -36,8 +36,8 @@ def held(
     """
     required = set().union(*(_required(specification, engine) for engine in engines))
     if specification.is_part:
-        asked_labels = set(labels)
-        required = {name for name in required if parts(name)[0][0] in asked_labels}
+        requested_labels = set(labels)
+        required = {name for name in required if parts(name)[0][0] in requested_labels}
     if not required:
         return sheets
     owner = f"the list of campaign {specification.name}"

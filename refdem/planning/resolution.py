@@ -21,7 +21,7 @@ from refdem.core.engine import Engine
 from refdem.core.finding import Finding
 from refdem.core.judgement import distances
 from refdem.core.problem import Motion, Request
-from refdem.core.resolution import Resolution, Seen
+from refdem.core.resolution import NumberResolution, Resolution
 from refdem.core.run import Failure, Run
 from refdem.core.store import Store
 from refdem.core.trajectory import Trajectory
@@ -131,8 +131,8 @@ def measured(
             found[place] = kept
     missing = [row for row in rows if any(place not in found for place in _places([row]))]
     with Schedule(workers, SECONDS) as schedule:
-        asked = [(row.instance, row.delays) for row in missing]
-        truths = sampled_truths(schedule, store, asked, progress)
+        requested = [(row.instance, row.delays) for row in missing]
+        truths = sampled_truths(schedule, store, requested, progress)
         jobs = []
         for row, truth in zip(missing, truths, strict=True):
             jobs += [
@@ -192,7 +192,9 @@ def _keys(
 def _unknown(place: _Place, engine: str, failure: Failure) -> Resolution:
     """The resolution, without results, of a method whose job failed."""
     label, _, method = place
-    unknown = Seen(number="any number", reason=f"it could not be measured: {failure.sentence}")
+    unknown = NumberResolution(
+        number="any number", reason=f"it could not be measured: {failure.sentence}"
+    )
     return Resolution(label=label, engine=engine, method=method, numbers=(unknown,))
 
 
@@ -218,11 +220,11 @@ def of_method(
     specification: bytes, case: str, given: dict[str, str], truth: bytes, address: str
 ) -> bytes:
     """The resolution of the method that the specification names, as MessagePack of a Resolution."""
-    asked = msgspec.json.decode(specification, type=Specification)
+    requested = msgspec.json.decode(specification, type=Specification)
     instance = discovery.case(case).at(**given)
     sampled = msgspec.msgpack.decode(truth, type=SampledTruth)
     engine = discovery.engine(address)
-    return msgspec.msgpack.encode(resolution(asked, engine, instance, sampled))
+    return msgspec.msgpack.encode(resolution(requested, engine, instance, sampled))
 
 
 def resolution(
@@ -241,14 +243,16 @@ def resolution(
     sound = judge.trial(None, 0.0)
     if any(finding.outcome in ("fail", "error") for finding in sound.findings):
         why = "a finding fails without any misreading"
-        seen = [Seen(number=number.name, reason=why) for number in numbers(instance.scene)]
+        resolutions = [
+            NumberResolution(number=number.name, reason=why) for number in numbers(instance.scene)
+        ]
     else:
-        seen = [judge.seen(number, sound) for number in numbers(instance.scene)]
+        resolutions = [judge.resolution_of(number, sound) for number in numbers(instance.scene)]
     return Resolution(
         label=instance.label,
         engine=engine.name,
         method=specification.method,
-        numbers=tuple(seen),
+        numbers=tuple(resolutions),
     )
 
 
@@ -268,7 +272,7 @@ class _Judge:
     truth: SampledTruth
     deviations: list[Deviation]
 
-    def seen(self, number: Number, sound: Trial) -> Seen:
+    def resolution_of(self, number: Number, sound: Trial) -> NumberResolution:
         """The resolution for one number; `sound` is the trial without any misreading."""
         sign = 1.0
         first = self.trial(number, sign * FIRST)
@@ -277,20 +281,22 @@ class _Judge:
             sign = -1.0
             first = self.trial(number, sign * FIRST)
         if first.refused:
-            return Seen(number=number.name, reason=first.refused)
+            return NumberResolution(number=number.name, reason=first.refused)
         found = threshold(lambda amount: self.trial(number, sign * amount), first)
-        if found.seen is not None:
-            return Seen(number=number.name, smallest=found.seen, by=found.by)
-        return Seen(number=number.name, reason=self._reason(sound, first, found.unseen))
+        if found.detected is not None:
+            return NumberResolution(number=number.name, smallest=found.detected, by=found.by)
+        return NumberResolution(
+            number=number.name, reason=self._reason(sound, first, found.undetected)
+        )
 
-    def _reason(self, sound: Trial, first: Trial, unseen: float) -> str:
-        """Why no misreading of a number was detected; `unseen` is the largest that was possible."""
+    def _reason(self, sound: Trial, first: Trial, undetected: float) -> str:
+        """Why no misreading of a number was detected; `undetected` is the largest possible one."""
         change = float(np.max(distances(self.instance, first.run, sound.run)))
         if change <= STILL:
             return "the motion does not depend on it"
         return (
             f"misread by {FIRST:g} it moves the run by {change:.1g} of its scales, and misread by"
-            f" {unseen:g} no finding on its own runs fails either"
+            f" {undetected:g} no finding on its own runs fails either"
         )
 
     def trial(self, number: Number | None, amount: float) -> Trial:
@@ -332,30 +338,31 @@ def _refused(runs: Iterable[Run]) -> str:
 class Threshold:
     """The search for the smallest misreading that makes a finding fail.
 
-    It is between `unseen`, the largest undetected misreading, and `seen`, the smallest detected
-    one, which the check and quantity `by` detected. A ratio r of error to bound at a misreading a
-    predicts the threshold a/r, since errors are proportional to a. The next trial is 1.2 a/r for
-    r > 2 and 0.8 a/r otherwise, so that trials soon enclose the threshold within the factor CLOSE.
+    It is between `undetected`, the largest undetected misreading, and `detected`, the smallest
+    detected one, which the check and quantity `by` detected. A ratio r of error to bound at a
+    misreading a predicts the threshold a/r, since errors are proportional to a. The next trial is
+    1.2 a/r for r > 2 and 0.8 a/r otherwise, so that trials soon enclose the threshold within the
+    factor CLOSE.
     """
 
-    unseen: float = 0.0
-    seen: float | None = None
+    undetected: float = 0.0
+    detected: float | None = None
     by: str = ""
 
     def add(self, amount: float, trial: Trial) -> None:
         """Updates the bracket with the result of a trial."""
         if trial.excess == 0.0:
-            self.unseen = max(self.unseen, amount)
-        elif self.seen is None or amount < self.seen:
-            self.seen = amount
+            self.undetected = max(self.undetected, amount)
+        elif self.detected is None or amount < self.detected:
+            self.detected = amount
             self.by = trial.by
 
     @property
     def is_found(self) -> bool:
         """True if nothing more is to be tried."""
-        if self.seen is None:
-            return self.unseen >= 1.0
-        return self.seen <= LEAST or self.seen <= CLOSE * self.unseen
+        if self.detected is None:
+            return self.undetected >= 1.0
+        return self.detected <= LEAST or self.detected <= CLOSE * self.undetected
 
     def next_amount(self, amount: float, trial: Trial) -> float:
         """The misreading to try after that of `amount`."""
@@ -368,8 +375,8 @@ class Threshold:
             following = 1.2 * amount / excess
         else:
             following = 0.8 * amount / excess
-        if self.seen is not None and not self.unseen < following < self.seen:
-            following = math.sqrt(max(self.unseen, LEAST) * self.seen)
+        if self.detected is not None and not self.undetected < following < self.detected:
+            following = math.sqrt(max(self.undetected, LEAST) * self.detected)
         return min(1.0, max(LEAST, following))
 
 

@@ -38,7 +38,7 @@ Place = tuple[int, Variant]
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Asked:
+class RequestedRun:
     """One run that a task needs, and its key: equal runs have equal keys."""
 
     place: Place
@@ -134,19 +134,21 @@ class Hangs:
 
     steps: dict[tuple[str, str, str], set[float]] = field(default_factory=dict)
 
-    def note(self, asked: Asked, failure: Failure | None) -> None:
+    def note(self, requested: RequestedRun, failure: Failure | None) -> None:
         """Remembers the step of a run that hung."""
         if failure is not None and failure.kind == "hang":
-            self.steps.setdefault(_method_on_case(asked.task), set()).add(_step(asked.request))
+            self.steps.setdefault(_method_on_case(requested.task), set()).add(
+                _step(requested.request)
+            )
 
-    def given_up(self, asked: Asked) -> Failure | None:
+    def given_up(self, requested: RequestedRun) -> Failure | None:
         """The failure of a run that is not started because others hung, or None.
 
         A run takes longer than one with a larger step, so it is not started if that one hung. A
         method that hung with ENOUGH different steps is expected to hang with every step.
         """
-        steps = self.steps.get(_method_on_case(asked.task), set())
-        takes_longer = any(_step(asked.request) <= step for step in steps)
+        steps = self.steps.get(_method_on_case(requested.task), set())
+        takes_longer = any(_step(requested.request) <= step for step in steps)
         if not takes_longer and len(steps) < ENOUGH:
             return None
         return Failure(
@@ -193,17 +195,17 @@ class Runner:
     deadlines: Mapping[str, float]
     hangs: Hangs
     progress: Progress
-    asking: Callable[[Asked], None] = lambda asked: None
+    on_request: Callable[[RequestedRun], None] = lambda requested: None
     """Called with each run that is needed, before any of them is made."""
 
-    def runs(self, asked: list[Asked], stage: str) -> Iterator[tuple[Asked, Run]]:
+    def runs(self, requested: list[RequestedRun], stage: str) -> Iterator[tuple[RequestedRun, Run]]:
         """Every request with its run, in the order in which they end.
 
         Equal runs are made once, and unchanged ones are read from the store.
         """
-        equal: dict[str, list[Asked]] = {}
-        for request_of_task in asked:
-            self.asking(request_of_task)
+        equal: dict[str, list[RequestedRun]] = {}
+        for request_of_task in requested:
+            self.on_request(request_of_task)
             equal.setdefault(request_of_task.key, []).append(request_of_task)
         unread = {}
         for key, same in equal.items():
@@ -238,20 +240,20 @@ class Runner:
         return self._spooled(key, reply)
 
     def _answered(
-        self, same: list[Asked], reply: worker.Reply, *, from_store: bool
-    ) -> Iterator[tuple[Asked, Run]]:
+        self, same: list[RequestedRun], reply: worker.Reply, *, from_store: bool
+    ) -> Iterator[tuple[RequestedRun, Run]]:
         """Equal requests of tasks, each with the run that answers them all."""
-        for asked in same:
-            yield asked, self._run(asked, reply, from_store=from_store)
+        for requested in same:
+            yield requested, self._run(requested, reply, from_store=from_store)
 
-    def _job(self, asked: Asked) -> Job:
+    def _job(self, requested: RequestedRun) -> Job:
         """The job that makes one run in a worker, or in a program of its own.
 
         An engine with a `time_limit` ends its programs itself. It does so before its worker would
         be killed.
         """
-        engine = asked.task.engine
-        request = asked.request
+        engine = requested.task.engine
+        request = requested.request
         limit = None
         if engine.time_limit is not None:
             limit = max(self.timeout, engine.time_limit + GRACE)
@@ -262,13 +264,13 @@ class Runner:
             rows = most_rows(request.problem)
         deadline = self.deadlines.get(engine.name, math.inf)
         return Job(
-            asked.key,
+            requested.key,
             worker.run,
             timeout=limit,
             computes=stages is None,
             stages=stages,
             rows=rows,
-            given_up=partial(self.hangs.given_up, asked),
+            given_up=partial(self.hangs.given_up, requested),
             pack=lambda: (engine.address, request.packed(), deadline),
         )
 
@@ -287,12 +289,12 @@ class Runner:
             self.spool.keep(key, reply.trajectory)
         return worker.Reply(cost=reply.cost, failure=reply.failure)
 
-    def _run(self, asked: Asked, reply: worker.Reply, *, from_store: bool) -> Run:
+    def _run(self, requested: RequestedRun, reply: worker.Reply, *, from_store: bool) -> Run:
         """The run that one task requested, from the reply; its trajectory is in the spool."""
-        name = asked.task.engine.name
+        name = requested.task.engine.name
         return Run(
-            key=asked.key,
-            request=asked.request,
+            key=requested.key,
+            request=requested.request,
             engine=name,
             version=self.versions[name],
             failure=reply.failure,
@@ -310,13 +312,13 @@ def checked_reply(data: bytes) -> worker.Reply:
     return reply
 
 
-def asked_of(
+def requested_runs(
     tasks: list[Task],
     wanted: Mapping[int, tuple[Variant, ...]],
     fingerprints: Mapping[tuple[str, str], str],
     ulps: int,
     first: Runs | None = None,
-) -> list[Asked]:
+) -> list[RequestedRun]:
     """The wanted runs of tasks from the start, or those that continue from the end of a `first`
     one.
     """
@@ -335,7 +337,9 @@ def asked_of(
             request = plan.request(task, variant, base, ulps=ulps)
             engine = task.engine.name
             key = request.key(engine, fingerprints[engine, task.method.name])
-            needed.append(Asked(place=(number, variant), task=task, request=request, key=key))
+            needed.append(
+                RequestedRun(place=(number, variant), task=task, request=request, key=key)
+            )
     return needed
 
 

@@ -116,11 +116,11 @@ class Specification(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fi
                 )
         if self.step is not None and self.steps_per_tau is not None:
             raise OutOfRangeError("got both step and steps_per_tau; expected at most one of them")
-        asked = set()
+        questions = set()
         for entry in self.case:
-            if entry.question in asked:
+            if entry.question in questions:
                 raise OutOfRangeError(f"{entry.label} is listed twice; remove one")
-            asked.add(entry.question)
+            questions.add(entry.question)
 
     def levels_of(self, instance: Instance) -> int:
         """The number of levels for an instance: that of its entry, if it says one, else that of the

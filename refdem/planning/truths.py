@@ -22,7 +22,7 @@ from refdem.execution.schedule import Job, Progress, Scheduler, counted
 from refdem.planning.kept_truth import kept_truth
 from refdem.truth.certified.sources import digest_of
 
-Asked = tuple[Instance, tuple[float, ...]]
+RequestedTruth = tuple[Instance, tuple[float, ...]]
 """An instance, and delays [s] before its samples at which truth is also needed."""
 UNASKED = "no installed engine supports the case, so its truth was not computed"
 PATIENCE = 3.0
@@ -49,7 +49,7 @@ def is_lasting(truth: SampledTruth) -> bool:
 def sampled_truths(
     schedule: Scheduler,
     store: Store,
-    instances: Sequence[Asked],
+    instances: Sequence[RequestedTruth],
     progress: Progress,
     is_judged: Callable[[Instance], bool] = lambda _: True,
 ) -> list[SampledTruth]:
@@ -61,7 +61,7 @@ def sampled_truths(
     """
     keys = [truth_key(instance, delays) for instance, delays in instances]
     truths: dict[str, SampledTruth] = {}
-    missing: dict[str, Asked] = {}
+    missing: dict[str, RequestedTruth] = {}
     broken: dict[str, str] = {}
     for key, (instance, delays) in zip(keys, instances, strict=True):
         available = _available(store, key, instance, delays)
@@ -77,8 +77,8 @@ def sampled_truths(
         os.ftruncate(counts_file.fileno(), worker.COUNT_BYTES * len(missing))
         path = f"/proc/{os.getpid()}/fd/{counts_file.fileno()}"
         jobs = [
-            _job(key, *asked, counter=(path, row))
-            for row, (key, asked) in enumerate(missing.items())
+            _job(key, *requested, counter=(path, row))
+            for row, (key, requested) in enumerate(missing.items())
         ]
         for job, result in counted(schedule.results(jobs), "truths", len(jobs), progress):
             if isinstance(result, Failure) and result.kind == "exception":
@@ -94,7 +94,7 @@ def sampled_truths(
     return [truths[key] for key in keys]
 
 
-def _refuse_broken(missing: Mapping[str, Asked], broken: Mapping[str, str]) -> None:
+def _refuse_broken(missing: Mapping[str, RequestedTruth], broken: Mapping[str, str]) -> None:
     """Raises BrokenProofError if there are proofs, by key, that raised an exception."""
     sentences = [f"{missing[key][0].label}: {sentence}" for key, sentence in broken.items()]
     if sentences:
@@ -137,7 +137,7 @@ def _job(
 
 def _partial_truths(
     schedule: Scheduler,
-    missing: Mapping[str, Asked],
+    missing: Mapping[str, RequestedTruth],
     certified: Mapping[str, int],
     truths: Mapping[str, SampledTruth],
 ) -> dict[str, SampledTruth]:
@@ -168,8 +168,8 @@ def truth_key(instance: Instance, delays: tuple[float, ...] = ()) -> str:
     """sha256 of all that can change a sampled truth: case, parameters, samples, its code,
     python-flint.
     """
-    asked = [instance.case.id, instance.p.texts(), instance.times.tolist(), *delays]
-    digest = hashlib.sha256(msgspec.json.encode(asked))
+    requested = [instance.case.id, instance.p.texts(), instance.times.tolist(), *delays]
+    digest = hashlib.sha256(msgspec.json.encode(requested))
     source = fingerprint.of_source("truth", "core/truth.py", "core/case.py")
     digest.update(f"{source}\0{_of_case(instance)}\0{installed('python-flint')}".encode())
     return digest.hexdigest()

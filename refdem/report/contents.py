@@ -70,10 +70,10 @@ class Contents:
         """How many findings have each outcome, worst first, without zeros."""
         if records is None:
             records = self.records
-        seen: Counter[Outcome] = Counter()
+        counts: Counter[Outcome] = Counter()
         for record in records:
-            seen.update(finding.outcome for finding in record.findings)
-        return {outcome: seen[outcome] for outcome in WORST_FIRST if seen[outcome]}
+            counts.update(finding.outcome for finding in record.findings)
+        return {outcome: counts[outcome] for outcome in WORST_FIRST if counts[outcome]}
 
     def refusal(self, label: str, engine: str) -> str:
         """The first reason why an engine does not run an instance; empty if it gave none."""

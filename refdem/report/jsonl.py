@@ -12,7 +12,7 @@ import msgspec
 
 from refdem.core.finding import Finding, Level, Record, Series, Sheet
 from refdem.core.outside import opened, printable
-from refdem.core.reading import said
+from refdem.core.reading import error_message
 from refdem.errors import UNREADABLE, EngineError, StoreError, UsageError
 
 RECORDS = "records.jsonl"
@@ -44,7 +44,7 @@ def sheets_in(folder: Path, name: str = RECORDS) -> list[Sheet]:
         try:
             sheets.append(_DECODER.decode(_printable(line)))
         except UNREADABLE as error:
-            message = said(error, Record)
+            message = error_message(error, Record)
             raise UsageError(
                 f"{path}, line {number}: {message}."
                 " Expected one sheet of the schema of `refdem schema records`."

@@ -28,15 +28,15 @@ class CaseCell:
     """One engine in all settings of a case.
 
     `cell` has the digits of the setting `label`, in which the fewest are correct, and the outcomes
-    of all settings. The engine was requested to run `asked` settings, and digits were measured in
-    `measured` of these. `refused` has the reasons why it did not run the others, with the number
-    of settings.
+    of all settings. The engine was requested to run `requested` settings, and digits were
+    measured in `measured` of these. `refused` has the reasons why it did not run the others, with
+    the number of settings.
     """
 
     cell: Cell
     label: str
     measured: int
-    asked: int
+    requested: int
     refused: Mapping[str, int]
 
 
@@ -126,7 +126,7 @@ def _case_cell(contents: Contents, engine: str, cells: Mapping[str, Cell]) -> Ca
         cell=Cell(cells[label].digits, cells[label].method, counts, cells[label].growth),
         label=label,
         measured=sum(cell.digits is not None for cell in cells.values()),
-        asked=sum(cell.worst is not None for cell in cells.values()),
+        requested=sum(cell.worst is not None for cell in cells.values()),
         refused=dict(refused.most_common()),
     )
 

@@ -63,16 +63,18 @@ def lines(found: Iterable[Resolution]) -> list[str]:
     printed = []
     for one in found:
         printed.append(one_line(f"{one.label} in {one.engine}, {one.method}, would have noticed"))
-        for seen in one.numbers:
-            if seen.smallest is None:
-                printed.append(one_line(f"  no misreading of {seen.number}, because {seen.reason}"))
+        for entry in one.numbers:
+            if entry.smallest is None:
+                printed.append(
+                    one_line(f"  no misreading of {entry.number}, because {entry.reason}")
+                )
             else:
-                printed.append(one_line(f"  {seen.number:36}{seen.size:>10}  {seen.by}"))
-            if seen.computed_by:
+                printed.append(one_line(f"  {entry.number:36}{entry.size:>10}  {entry.by}"))
+            if entry.computed_by:
                 computed = "-"
-                if seen.computed is not None:
-                    computed = size_of(seen.computed)
-                printed.append(one_line(f"  {'computed':36}{computed:>10}  {seen.computed_by}"))
+                if entry.computed is not None:
+                    computed = size_of(entry.computed)
+                printed.append(one_line(f"  {'computed':36}{computed:>10}  {entry.computed_by}"))
     return printed
 
 
@@ -86,19 +88,19 @@ def markdown(found: Iterable[Resolution]) -> str:
 
 def _table(label: str, found: list[Resolution]) -> str:
     """The table of one case, and why some misreadings are not detected."""
-    names = list(dict.fromkeys(seen.number for one in found for seen in one.numbers))
-    by_method = [{seen.number: seen for seen in one.numbers} for one in found]
+    names = list(dict.fromkeys(entry.number for one in found for entry in one.numbers))
+    by_method = [{entry.number: entry for entry in one.numbers} for one in found]
     rows = []
     for name in names:
         cells = []
         for numbers in by_method:
-            seen = numbers.get(name)
-            if seen is None:
+            entry = numbers.get(name)
+            if entry is None:
                 cells.append("")
-            elif seen.smallest is None:
+            elif entry.smallest is None:
                 cells.append("nothing")
             else:
-                cells.append(f"{seen.size} ({markdown_text(seen.by)})")
+                cells.append(f"{entry.size} ({markdown_text(entry.by)})")
         rows.append([markdown_text(name), *cells])
     head = ["number", *(markdown_text(f"{one.engine} {one.method}") for one in found)]
     parts = [f"## {markdown_text(label)}", "", table(head, rows)]
@@ -112,9 +114,9 @@ def _reasons(found: list[Resolution]) -> list[str]:
     """A line for each number and each reason why no misreading is detected, with the methods."""
     blind: dict[tuple[str, str], list[str]] = {}
     for one in found:
-        for seen in one.numbers:
-            if seen.smallest is None:
-                methods = blind.setdefault((seen.number, seen.reason), [])
+        for entry in one.numbers:
+            if entry.smallest is None:
+                methods = blind.setdefault((entry.number, entry.reason), [])
                 methods.append(f"{one.engine} {one.method}")
     lines = []
     for (number, reason), methods in blind.items():

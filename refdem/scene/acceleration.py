@@ -16,7 +16,7 @@ Acceleration = Callable[[float, Array, Array], Array]
 (N, 3) [m/s]."""
 
 
-def lacking(scene: Scene) -> str | None:
+def unsupported_feature(scene: Scene) -> str | None:
     """None if every force of the scene acts on points and depends on t, r and v alone, else what
     does not.
     """
@@ -31,7 +31,7 @@ def lacking(scene: Scene) -> str | None:
 
 
 def acceleration(scene: Scene) -> Acceleration:
-    """The accelerations of a scene of which nothing is `lacking`; fixed bodies have none."""
+    """The accelerations of a scene without an `unsupported_feature`; fixed bodies have none."""
     mass = scene.bodies.mass.tolist()
     masses = scene.bodies.mass[:, None]
     moves = ~scene.bodies.fixed[:, None]

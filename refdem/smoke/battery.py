@@ -230,16 +230,21 @@ def _probe_findings(engine: Engine, method: Method, probe: Probe) -> list[Findin
         _clock_finding(trajectory, request, probe, method),
         _first_sample_finding(trajectory, request, probe, method),
     ]
-    right = probe.right
+    expected_values = probe.expected_values
     observed = {}
-    for name, expected in right.items():
+    for name, expected in expected_values.items():
         values = _observed(trajectory, name, probe)
         if values is not None:
             observed[name] = values.reshape(expected.shape)
     changes = _changes_from_twice_the_step(engine, request, probe, observed)
     return findings + [
         _error_finding(
-            right, observed, name, request, probe, _error_bound(method, probe, changes.get(name))
+            expected_values,
+            observed,
+            name,
+            request,
+            probe,
+            _error_bound(method, probe, changes.get(name)),
         )
         for name in observed
     ]
@@ -421,7 +426,7 @@ def _observed(trajectory: Trajectory, name: str, probe: Probe) -> Array | None:
 
 
 def _error_finding(
-    right: Expected,
+    expected_values: Expected,
     observed: Expected,
     name: str,
     request: Request,
@@ -430,11 +435,11 @@ def _error_finding(
 ) -> Finding:
     """The finding on one quantity, compared with its formula over the whole run.
 
-    `right` and `observed` have all quantities, for the diagnosis of the adapter's mistake;
-    `bound_and_basis` is the bound with its basis.
+    `expected_values` and `observed` have all quantities, for the diagnosis of the adapter's
+    mistake; `bound_and_basis` is the bound with its basis.
     """
     values = observed[name]
-    expected = right[name]
+    expected = expected_values[name]
     error = _relative_error(values, expected, up_to_sign=name == "attitude")
     bound, basis = bound_and_basis
     sentence = f"{request.method}: the error of {name} is {error:.2g} of its scale"
@@ -446,11 +451,11 @@ def _error_finding(
             f" {_text(expected[worst])}"
         )
         elapsed = probe.times - probe.start
-        cause = likely_causes(right, observed, name, elapsed, probe.mistaken)
+        cause = likely_causes(expected_values, observed, name, elapsed, probe.wrong_answers)
         if cause:
             sentence += f"; likely cause: {cause}"
         else:
-            sentence += f"; no known mistake explains it; check in the adapter: {probe.shows}"
+            sentence += f"; no known mistake explains it; check in the adapter: {probe.verifies}"
     return bounded_finding(f"{probe.name}: {name}", error, bound, basis, sentence)
 
 

@@ -42,10 +42,10 @@ class Mistake:
 def _in_column(name: str, change: Callable[[Array], Array]) -> Slip:
     """A slip that changes one column, and nothing where there is no such column."""
 
-    def slip(right: Expected) -> Expected:
-        if name not in right:
+    def slip(expected: Expected) -> Expected:
+        if name not in expected:
             return {}
-        return {name: change(right[name])}
+        return {name: change(expected[name])}
 
     return slip
 
@@ -67,16 +67,18 @@ def _next_rows(values: Array) -> Array:
 
 def _in_all_columns(change: Callable[[Array], Array]) -> Slip:
     """A slip in every column of the state."""
-    return lambda right: {name: change(values) for name, values in right.items() if name in STATE}
+    return lambda expected: {
+        name: change(values) for name, values in expected.items() if name in STATE
+    }
 
 
 def _in_body_axes(name: str) -> Slip:
     """The slip that a vector is in body axes where it should be in space axes: v -> q* v q."""
 
-    def slip(right: Expected) -> Expected:
-        if name not in right or "attitude" not in right:
+    def slip(expected: Expected) -> Expected:
+        if name not in expected or "attitude" not in expected:
             return {}
-        return {name: rotated(conjugate(right["attitude"]), right[name])}
+        return {name: rotated(conjugate(expected["attitude"]), expected[name])}
 
     return slip
 
@@ -131,40 +133,41 @@ MISTAKES = (
 
 
 def likely_causes(
-    right: Expected,
+    expected: Expected,
     observed: Expected,
     name: str,
     elapsed: Array,
-    mistaken: Sequence[tuple[str, Expected]] = (),
+    wrong_answers: Sequence[tuple[str, Expected]] = (),
 ) -> str:
     """The slips and mistakes that explain one column, as a clause; empty if no known one does.
 
-    `right` and `observed` have columns (T, N, ...) by name, `elapsed` (T,) [s] is the time since
-    the start. `mistaken` has mistakes of the probe in words, with the columns that they would give.
+    `expected` and `observed` have columns (T, N, ...) by name, `elapsed` (T,) [s] is the time
+    since the start. `wrong_answers` has mistakes of the probe in words, with the columns that they
+    would give.
     """
     explanations = []
     for mistake in MISTAKES:
-        slipped = mistake.slip(right)
+        slipped = mistake.slip(expected)
         if name in slipped and distance(observed[name], slipped[name], name) <= MATCH_TOLERANCE:
             explanations.append(mistake.description)
     explanations += [
-        description for description, wrong in mistaken if _explains(right, observed, wrong)
+        description for description, wrong in wrong_answers if _explains(expected, observed, wrong)
     ]
     if not explanations:
-        return _displaced_point_clause(right, observed, name, elapsed)
+        return _displaced_point_clause(expected, observed, name, elapsed)
     clause = " or ".join(explanations[:MAX_CAUSES])
     if len(explanations) > 1:
         clause += " (this probe cannot distinguish them)"
     return clause
 
 
-def _explains(right: Expected, observed: Expected, wrong: Expected) -> bool:
+def _explains(expected: Expected, observed: Expected, wrong: Expected) -> bool:
     """True if a mistake explains every column that it has, and most of what is not right there."""
-    names = [name for name in wrong if name in observed and name in right]
+    names = [name for name in wrong if name in observed and name in expected]
     if not names:
         return False
     residual = max(distance(observed[name], wrong[name], name) for name in names)
-    error = max(distance(observed[name], right[name], name) for name in names)
+    error = max(distance(observed[name], expected[name], name) for name in names)
     return residual <= MATCH_TOLERANCE and residual <= MAX_RESIDUAL * error
 
 
@@ -179,7 +182,9 @@ def distance(values: Array, expected: Array, name: str) -> float:
     return float(difference.max() / scale)
 
 
-def _displaced_point_clause(right: Expected, observed: Expected, name: str, elapsed: Array) -> str:
+def _displaced_point_clause(
+    expected: Expected, observed: Expected, name: str, elapsed: Array
+) -> str:
     """The clause that positions or velocities are those of a point displaced by d from the centre
     of mass; empty if no d explains the error.
 
@@ -187,10 +192,10 @@ def _displaced_point_clause(right: Expected, observed: Expected, name: str, elap
     so that d of each body is the least-squares solution over all samples.
     """
     needed = {"attitude", "omega", "position", "velocity"}
-    if name not in ("position", "velocity") or not needed <= set(right):
+    if name not in ("position", "velocity") or not needed <= set(expected):
         return ""
-    error = observed[name] - right[name]
-    for clause, maps in _error_maps(right, name, elapsed):
+    error = observed[name] - expected[name]
+    for clause, maps in _error_maps(expected, name, elapsed):
         displacements = []
         for body in range(error.shape[1]):
             rows = maps[:, body].reshape(-1, 3)
@@ -204,7 +209,7 @@ def _displaced_point_clause(right: Expected, observed: Expected, name: str, elap
     return ""
 
 
-def _error_maps(right: Expected, name: str, elapsed: Array) -> list[tuple[str, Array]]:
+def _error_maps(expected: Expected, name: str, elapsed: Array) -> list[tuple[str, Array]]:
     """Pairs of a clause and the matrices M (T, N, 3, 3) of the error M d that it makes.
 
     With the rotation R(t) and W v = omega x v:
@@ -213,8 +218,8 @@ def _error_maps(right: Expected, name: str, elapsed: Array) -> list[tuple[str, A
       and the engine then moves the centre: its position is off by R(0) d + t W(0) R(0) d - R d and
       its velocity by W(0) R(0) d - W R d.
     """
-    rotation = matrix(right["attitude"])
-    spin = _cross_matrix(right["omega"])
+    rotation = matrix(expected["attitude"])
+    spin = _cross_matrix(expected["omega"])
     if name == "position":
         drift = rotation[0] + elapsed[:, None, None, None] * (spin[0] @ rotation[0])
         return [

@@ -74,7 +74,7 @@ def _diagonal_spring() -> Probe:
     scene = Scene.of([body], [spring])
     return Probe(
         name="spring in space",
-        shows="the rest length of a spring and its anchor in the world",
+        verifies="the rest length of a spring and its anchor in the world",
         scene=scene,
         expected=expected,
     )
@@ -107,7 +107,7 @@ def _two_springs() -> Probe:
 
     return Probe(
         name="two springs",
-        shows="the stiffness and rest length of each of several springs",
+        verifies="the stiffness and rest length of each of several springs",
         scene=Scene.of([body], springs),
         expected=expected,
     )
@@ -142,7 +142,7 @@ def _damped_pair() -> Probe:
     dashpot = Dashpot(a=0, b=1, damping=rate * reduced_mass)
     return Probe(
         name="dashpot",
-        shows="the force of a dashpot, which opposes the whole relative velocity",
+        verifies="the force of a dashpot, which opposes the whole relative velocity",
         scene=Scene.of(bodies, [dashpot]),
         expected=expected,
     )
@@ -161,7 +161,7 @@ def _slide() -> Probe:
     scene = Scene.of([body], [slider])
     return Probe(
         name="friction along another axis",
-        shows="the axis of dry friction",
+        verifies="the axis of dry friction",
         scene=scene,
         expected=expected,
     )
@@ -193,8 +193,8 @@ def _drive(name: str, *, start: float) -> Probe:
         return _moved(np.array([1.0, 0.0, 0.0]), np.array([0.0, 1.0, 0.0]), y, v)
 
     scene = Scene.of([body], [force])
-    shows = "the frequency, phase and time of a harmonic force"
-    return Probe(name=name, shows=shows, scene=scene, expected=expected, start=start)
+    verifies = "the frequency, phase and time of a harmonic force"
+    return Probe(name=name, verifies=verifies, scene=scene, expected=expected, start=start)
 
 
 def _drive_between() -> Probe:
@@ -228,7 +228,7 @@ def _drive_between() -> Probe:
     force = Force(a=0, b=1, amplitude=amplitude, frequency=rate, axis=_vector(axis))
     return Probe(
         name="drive between two",
-        shows="a force between two bodies, with its reaction on the second",
+        verifies="a force between two bodies, with its reaction on the second",
         scene=Scene.of(bodies, [force]),
         expected=expected,
     )
@@ -270,7 +270,7 @@ def _dumbbell() -> Probe:
     scene = Scene.of(bodies, [Rod(a=1, b=0, length=length)])
     return Probe(
         name="dumbbell",
-        shows="a rod between two bodies, and the sign of its force",
+        verifies="a rod between two bodies, and the sign of its force",
         scene=scene,
         expected=expected,
     )
@@ -330,8 +330,8 @@ def _knock(name: str, *, normal: Vector, drift: Vector) -> Probe:
     )
     bodies = [front, back]
     scene = Scene.of(bodies, [Contact(law="linear", stiffness=STIFFNESS)])
-    shows = "the masses, the radii and the direction of the contact force"
-    return Probe(name=name, shows=shows, scene=scene, expected=expected)
+    verifies = "the masses, the radii and the direction of the contact force"
+    return Probe(name=name, verifies=verifies, scene=scene, expected=expected)
 
 
 def _floor() -> Probe:
@@ -365,7 +365,7 @@ def _floor() -> Probe:
         ],
     )
     return Probe(
-        name="floor", shows="the position and normal of a wall", scene=scene, expected=expected
+        name="floor", verifies="the position and normal of a wall", scene=scene, expected=expected
     )
 
 
@@ -397,7 +397,7 @@ def _hanging_from_fixed() -> Probe:
     ]
     return Probe(
         name="hanging from a fixed body",
-        shows="a fixed body, which neither gravity nor a spring may move",
+        verifies="a fixed body, which neither gravity nor a spring may move",
         scene=Scene.of([fixed, hung], elements),
         expected=expected,
     )
@@ -436,7 +436,7 @@ def _resting_on_fixed() -> Probe:
     ]
     return Probe(
         name="resting on a fixed sphere",
-        shows="a fixed body, which neither gravity nor a contact may move",
+        verifies="a fixed body, which neither gravity nor a contact may move",
         scene=Scene.of([fixed, resting_body], elements),
         expected=expected,
     )

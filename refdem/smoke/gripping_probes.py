@@ -101,7 +101,9 @@ def gripping_probe() -> Probe:
     ceiling = Plane(point=(0.0, 2 * radius + gap, 0.0), normal=(0.0, -1.0, 0.0))
     return Probe(
         name="gripping two walls",
-        shows="the tangential spring of a contact (0 at first touch), its lever arm and its torque",
+        verifies=(
+            "the tangential spring of a contact (0 at first touch), its lever arm and its torque"
+        ),
         scene=Scene.of([body], [floor, ceiling, contact]),
         expected=expected,
     )

@@ -132,7 +132,7 @@ def _spheres(name: str, *, normal: Array, slip: Array, drift: Array) -> Probe:
     contact = Contact(law="rigid", restitution=RESTITUTION)
     return Probe(
         name=name,
-        shows="the restitution, masses, radii and line of centres of a rigid contact",
+        verifies="the restitution, masses, radii and line of centres of a rigid contact",
         scene=Scene.of(bodies, [contact]),
         expected=met.motion,
         mistakes=tuple(mistakes),
@@ -170,7 +170,9 @@ def _wall() -> Probe:
     ]
     return Probe(
         name="bounce from a wall",
-        shows="the restitution of a rigid contact, the radius, the position and normal of a wall",
+        verifies=(
+            "the restitution of a rigid contact, the radius, the position and normal of a wall"
+        ),
         scene=Scene.of([body], [wall, Contact(law="rigid", restitution=RESTITUTION)]),
         expected=partial(_first_body, met),
         mistakes=tuple(

@@ -186,7 +186,7 @@ def _across_boundary(name: str, crossed: Array, period: float) -> Probe:
     contact = Contact(law="linear", stiffness=STIFFNESS)
     return Probe(
         name=name,
-        shows="periodic images of spheres across the faces, edges and corners of the box",
+        verifies="periodic images of spheres across the faces, edges and corners of the box",
         scene=Scene.of(bodies, [PeriodicBox(size=period), contact]),
         expected=expected,
     )
@@ -232,7 +232,7 @@ def _in_corner() -> Probe:
     contact = Contact(law="linear", stiffness=STIFFNESS)
     return Probe(
         name="in a corner",
-        shows="contacts of one sphere with several walls at once",
+        verifies="contacts of one sphere with several walls at once",
         scene=Scene.of([body], [*walls, contact]),
         expected=expected,
     )
@@ -240,7 +240,7 @@ def _in_corner() -> Probe:
 
 def _of_spheres(
     name: str,
-    shows: str,
+    verifies: str,
     sizes: list[tuple[float, float]],
     expected: Callable[[Array], Expected],
 ) -> Probe:
@@ -258,4 +258,4 @@ def _of_spheres(
         )
     ]
     scene = Scene.of(bodies, [Contact(law="linear", stiffness=STIFFNESS)])
-    return Probe(name=name, shows=shows, scene=scene, expected=expected)
+    return Probe(name=name, verifies=verifies, scene=scene, expected=expected)

@@ -42,8 +42,8 @@ class Mistake:
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Probe:
-    """A scene with the time [s] at its start, its motion in closed form, and what it `shows` of an
-    adapter.
+    """A scene with the time [s] at its start, its motion in closed form, and what it `verifies`
+    of an adapter.
 
     `expected(t)`, for the time t (T,) [s] since the start, has columns of a trajectory (T, N, ...),
     channels (T,), or `omega_body` (T, N, 3), by name. `mistakes` are those that it can identify.
@@ -52,7 +52,7 @@ class Probe:
     """
 
     name: str
-    shows: str
+    verifies: str
     scene: Scene
     expected: Callable[[Array], Expected]
     start: float = 0.0
@@ -71,12 +71,12 @@ class Probe:
         return np.asarray(self.start + direction * INTERVAL * np.arange(SAMPLES + 1))
 
     @cached_property
-    def right(self) -> Expected:
-        """The right answer at `times`."""
+    def expected_values(self) -> Expected:
+        """The expected columns at `times`."""
         return self.expected(self.times - self.start)
 
     @cached_property
-    def mistaken(self) -> list[tuple[str, Expected]]:
+    def wrong_answers(self) -> list[tuple[str, Expected]]:
         """Each mistake in words, with the answer at `times` that it would give."""
         elapsed = self.times - self.start
         return [(mistake.description, mistake.expected(elapsed)) for mistake in self.mistakes]
@@ -109,9 +109,11 @@ def _flights() -> tuple[Probe, ...]:
     space = Body(mass=2.0, position=(1.0, -2.0, 3.0), velocity=(-3.0, 4.0, 5.0))
     other = Body(mass=5.0, position=(40.0, 0.0, 0.0), velocity=(0.0, 2.0, 0.0))
 
-    def flight(name: str, shows: str, *bodies: Body, start: float = 0.0) -> Probe:
+    def flight(name: str, verifies: str, *bodies: Body, start: float = 0.0) -> Probe:
         scene = Scene.of(bodies)
-        return Probe(name=name, shows=shows, scene=scene, expected=_straight(*bodies), start=start)
+        return Probe(
+            name=name, verifies=verifies, scene=scene, expected=_straight(*bodies), start=start
+        )
 
     return (
         flight("line", "the x axis and the units of length and time", line),
@@ -141,7 +143,7 @@ def _falls() -> tuple[Probe, ...]:
 
         return Probe(
             name=name,
-            shows="the sign, axis and unit of gravity",
+            verifies="the sign, axis and unit of gravity",
             scene=Scene.of([thrown], [UniformGravity(g=g)]),
             expected=expected,
         )
@@ -161,7 +163,7 @@ def _spins() -> tuple[Probe, ...]:
     drift = np.array([0.5, 1.25, 0.0])
 
     def spin(
-        name: str, shows: str, omega: Array, attitude: tuple[float, float, float, float]
+        name: str, verifies: str, omega: Array, attitude: tuple[float, float, float, float]
     ) -> Probe:
         """A body that spins steadily with `omega` [rad/s], in space axes, from `attitude` on."""
         body = Body(
@@ -185,7 +187,7 @@ def _spins() -> tuple[Probe, ...]:
                 "omega": np.tile(omega, (len(t), 1, 1)),
             }
 
-        return Probe(name=name, shows=shows, scene=Scene.of([body]), expected=expected)
+        return Probe(name=name, verifies=verifies, scene=Scene.of([body]), expected=expected)
 
     upright = (1.0, 0.0, 0.0, 0.0)
     tipped = (HALF, HALF, 0.0, 0.0)
@@ -229,7 +231,7 @@ def _wobble(axis: int) -> Probe:
     scene = Scene.of([body])
     return Probe(
         name=f"wobble about {'xyz'[axis]}",
-        shows="the order of the inertia axes and the gyroscopic term omega x J omega",
+        verifies="the order of the inertia axes and the gyroscopic term omega x J omega",
         scene=scene,
         expected=expected,
         mistakes=turning_mistakes(scene),
@@ -289,12 +291,14 @@ def _forces() -> tuple[Probe, ...]:
 
     def force(
         name: str,
-        shows: str,
+        verifies: str,
         body: Body,
         elements: list[Element],
         expected: Callable[[Array], Expected],
     ) -> Probe:
-        return Probe(name=name, shows=shows, scene=Scene.of([body], elements), expected=expected)
+        return Probe(
+            name=name, verifies=verifies, scene=Scene.of([body], elements), expected=expected
+        )
 
     def hanging(t: Array) -> Expected:
         """At rest 2 m below the pivot; the tension is m g = 3 kg * 10 m/s^2."""
@@ -353,5 +357,8 @@ def _knock() -> Probe:
 
     scene = Scene.of([first_sphere, second_sphere], [Contact(law="linear", stiffness=stiffness)])
     return Probe(
-        name="knock", shows="the sign and unit of the contact force", scene=scene, expected=expected
+        name="knock",
+        verifies="the sign and unit of the contact force",
+        scene=scene,
+        expected=expected,
     )

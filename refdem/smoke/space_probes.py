@@ -70,7 +70,7 @@ def _drag() -> Probe:
     body = Body(mass=mass, position=_vector(start), velocity=_vector(speed * along))
     return Probe(
         name="drag",
-        shows="the drag force, which opposes the velocity and grows with its magnitude in space",
+        verifies="the drag force, which opposes the velocity and grows with its magnitude in space",
         scene=Scene.of([body], [Drag(a=0, coefficient=coefficient)]),
         expected=expected,
     )
@@ -124,7 +124,7 @@ def _damped_knock() -> Probe:
     ]
     return Probe(
         name="damped knock",
-        shows="the dashpot of a contact and the direction of the relative velocity",
+        verifies="the dashpot of a contact and the direction of the relative velocity",
         scene=Scene.of(bodies, [Contact(law="linear", stiffness=stiffness, damping=damping)]),
         expected=expected,
         is_smooth=True,
@@ -157,7 +157,7 @@ def _three_fall(name: str, *, radius: float, elements: tuple[Element, ...]) -> P
     ]
     return Probe(
         name=name,
-        shows="gravity on every body, whatever its mass and index",
+        verifies="gravity on every body, whatever its mass and index",
         scene=Scene.of(bodies, [UniformGravity(g=_vector(pull)), *elements]),
         expected=expected,
     )

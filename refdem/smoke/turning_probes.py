@@ -60,7 +60,7 @@ def turning_probes() -> tuple[Probe, ...]:
 
 def _integrated(
     name: str,
-    shows: str,
+    verifies: str,
     bodies: list[Body],
     elements: list[Element],
     *,
@@ -71,7 +71,7 @@ def _integrated(
     scene = Scene.of(bodies, elements)
     return Probe(
         name=name,
-        shows=shows,
+        verifies=verifies,
         scene=scene,
         expected=lambda t: motion(scene, t, longest_step=longest_step),
         uncertainty=UNCERTAINTY,
@@ -184,7 +184,9 @@ def _swung() -> tuple[Probe, ...]:
         omega=(0.0, 0.0, rate),
     )
     joint = BallJoint(a=0, anchor_a=tuple(anchor.tolist()), anchor_b=tuple(pivot.tolist()))
-    shows = "the anchor of a joint, in body axes, and its pivot"
+    verifies = "the anchor of a joint, in body axes, and its pivot"
     return (
-        Probe(name="ball joint", shows=shows, scene=Scene.of([body], [joint]), expected=expected),
+        Probe(
+            name="ball joint", verifies=verifies, scene=Scene.of([body], [joint]), expected=expected
+        ),
     )

@@ -129,7 +129,7 @@ def _meeting(problem: Problem, sense: float) -> _Meeting:
     rate = -sense * float(bodies.velocity[0] @ np.array(wall.normal))
     of_edge = np.array([wall.quadratic, 2.0])
     of_side = np.array([wall.stiffness, 1.0])
-    if _comes_edge_first(scene, wall, overlap, rate):
+    if _approaches_edge_first(scene, wall, overlap, rate):
         return _Meeting(mass, of_edge, of_side, overlap, rate)
     return _Meeting(mass, of_side, of_edge, overlap, rate)
 
@@ -143,7 +143,7 @@ def _stored(law: np.ndarray, overlap: float) -> float:
     return energy
 
 
-def _comes_edge_first(scene: Scene, wall: Wedge, overlap: float, rate: float) -> bool:
+def _approaches_edge_first(scene: Scene, wall: Wedge, overlap: float, rate: float) -> bool:
     """True if the edge points at the wall during the approach. During the separation, after the
     rotation, it points away from it.
     """

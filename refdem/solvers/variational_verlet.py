@@ -131,12 +131,12 @@ def spring_factor(
     return f, (pull_slope - f * distance_slope) / distance
 
 
-def acting(scene: Scene, asked: tuple[str, ...]) -> Acting:
+def acting(scene: Scene, requested: tuple[str, ...]) -> Acting:
     """The elements and masses of a scene, with their derivatives by the requested parameters.
 
     The derivative of a parameter by itself is 1, and 0 by any other.
     """
-    count = len(asked)
+    count = len(requested)
     mass_slope = np.zeros((len(scene.bodies), count))
     slopes = []
     for element in scene.elements:
@@ -145,7 +145,7 @@ def acting(scene: Scene, asked: tuple[str, ...]) -> Acting:
             shape = np.shape(getattr(element, name))
             of_element[name] = np.zeros((count, *shape))
         slopes.append(of_element)
-    for column, key in enumerate(asked):
+    for column, key in enumerate(requested):
         _, of, number, name, *component = key.split(".")
         if of == "elements":
             slopes[int(number)][name][(column, *map(int, component))] = 1.0
@@ -154,12 +154,12 @@ def acting(scene: Scene, asked: tuple[str, ...]) -> Acting:
     return Acting(tuple(scene.elements), tuple(slopes), scene.bodies.mass, mass_slope)
 
 
-def started(scene: Scene, asked: tuple[str, ...]) -> tuple[Array, Array]:
+def started(scene: Scene, requested: tuple[str, ...]) -> tuple[Array, Array]:
     """Derivatives (N, K, 3) of initial positions and velocities by the requested parameters."""
     slopes = {
-        name: np.zeros((len(scene.bodies), len(asked), 3)) for name in ("position", "velocity")
+        name: np.zeros((len(scene.bodies), len(requested), 3)) for name in ("position", "velocity")
     }
-    for column, key in enumerate(asked):
+    for column, key in enumerate(requested):
         _, of, number, name, *component = key.split(".")
         if of == "bodies" and name in slopes:
             slopes[name][int(number), column, int(component[0])] = 1.0
@@ -200,15 +200,15 @@ class VariationalVerlet(SceneSolver):
         them.
         """
         scene = request.problem.scene
-        asked = request.sensitivities
+        requested = request.sensitivities
         begun = perf_counter()
-        world = acting(scene, asked)
+        world = acting(scene, requested)
         h = request.signed_step
         r = np.array(scene.bodies.position)
         v = np.array(scene.bodies.velocity)
-        dr, dv = started(scene, asked)
+        dr, dv = started(scene, requested)
         rows = [(r, v)]
-        slopes = [told(dr, dv)]
+        slopes = [state_derivatives(dr, dv)]
         a, da = world.acceleration(r, dr)
         for _ in range(len(request.problem.times) - 1):
             for _ in range(request.stride):
@@ -221,29 +221,29 @@ class VariationalVerlet(SceneSolver):
                 v = v + h / 2 * a
                 dv = dv + h / 2 * da
             rows.append((r, v))
-            slopes.append(told(dr, dv))
+            slopes.append(state_derivatives(dr, dv))
         seconds = perf_counter() - begun
         trajectory = Trajectory.of_points(
             request.problem.times,
             np.array([row[0] for row in rows]),
             np.array([row[1] for row in rows]),
-            derivatives=_by_key(np.array(slopes), asked),
+            derivatives=_by_key(np.array(slopes), requested),
         )
         steps = request.stride * (len(rows) - 1)
         return trajectory, Cost(seconds=seconds, steps=steps)
 
 
-def told(dr: Array, dv: Array) -> Array:
+def state_derivatives(dr: Array, dv: Array) -> Array:
     """Derivatives (N, K, 6) of positions and velocities at a sample."""
     return np.concatenate([dr, dv], axis=-1)
 
 
-def _by_key(slopes: Array, asked: tuple[str, ...]) -> dict[str, Array]:
+def _by_key(slopes: Array, requested: tuple[str, ...]) -> dict[str, Array]:
     """Derivatives (T, N, K, 6) as arrays (T, N, 13) by parameter; those of attitude and omega are
     0.
     """
     derivatives = {}
-    for column, key in enumerate(asked):
+    for column, key in enumerate(requested):
         whole = np.zeros((*slopes.shape[:2], STATES))
         whole[..., :6] = slopes[:, :, column]
         derivatives[key] = whole

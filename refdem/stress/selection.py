@@ -29,19 +29,19 @@ def battery(name: str) -> Battery:
     return result
 
 
-def batteries(asked: Sequence[str], cases: Sequence[Entry]) -> list[Battery]:
+def batteries(requested: Sequence[str], cases: Sequence[Entry]) -> list[Battery]:
     """The requested batteries (none: all), with only the sweeps on the given cases (none: all).
 
     Raises UsageError if no sweep is left.
     """
-    selected = [battery(name) for name in asked or names()]
+    selected = [battery(name) for name in requested or names()]
     if cases:
         selected = [_limited(candidate, cases) for candidate in selected]
     selected = [candidate for candidate in selected if candidate.sweeps]
     if not selected:
-        batteries_asked = ", ".join(asked or names())
-        cases_asked = ", ".join(entry.id for entry in cases)
-        raise UsageError(f"no sweep of {batteries_asked} is on {cases_asked}")
+        requested_batteries = ", ".join(requested or names())
+        requested_cases = ", ".join(entry.id for entry in cases)
+        raise UsageError(f"no sweep of {requested_batteries} is on {requested_cases}")
     return selected
 
 

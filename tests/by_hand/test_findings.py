@@ -213,12 +213,12 @@ def test_angular_momentum_that_is_not_claimed_has_the_smaller_of_two_bounds_and_
     assert loose.bound == near(9 / 256 + ROUND_OFF, rel=1e-9)
 
 
-@pytest.mark.parametrize(("part", "is_told"), [(19.0, False), (22.0, True)])
-def test_angular_momentum_that_changes_by_round_off_is_not_told(part, is_told):
+@pytest.mark.parametrize(("part", "is_reported"), [(19.0, False), (22.0, True)])
+def test_angular_momentum_that_changes_by_round_off_is_not_told(part, is_reported):
     of = instance([POINT], (CentralField(gm=1.0),))
     run = shifted(of, "velocity", 2, 0, (0, 4 * part * ROUND_OFF, 0))
     found = judged("angular-momentum", of, run)["total"]
-    assert ("No torque acts from outside" in found.sentence) == is_told
+    assert ("No torque acts from outside" in found.sentence) == is_reported
 
 
 def test_free_motion_keeps_orbital_angular_momentum_and_turns_add_to_the_spin():

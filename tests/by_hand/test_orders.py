@@ -15,9 +15,9 @@ from refdem.checks.order import (
     Misfits,
     _order_at_most,
     _rounding,
-    expected_lack,
-    lack,
+    expected_deficit,
     mean_order,
+    order_deficit,
 )
 from refdem.core import discovery
 from refdem.core.check import CompletedRun, Subject
@@ -90,7 +90,7 @@ def judged(name, errors, *, of=None, known="certified", claims=None, levels=LEVE
     ],
 )
 def test_a_deficit_that_halves_is_none_and_one_of_half_an_order_is_not_excused(orders, deficit):
-    assert lack(orders, 2.0) == deficit
+    assert order_deficit(orders, 2.0) == deficit
 
 
 @pytest.mark.parametrize(
@@ -106,7 +106,7 @@ def test_a_deficit_that_halves_is_none_and_one_of_half_an_order_is_not_excused(o
 def test_a_deficit_is_expected_to_be_the_one_before_or_half_of_the_one_before_that(
     orders, expected
 ):
-    assert expected_lack(orders, 2.0) == expected
+    assert expected_deficit(orders, 2.0) == expected
 
 
 def test_a_mean_order_is_a_slope_of_least_squares_with_two_deviations():

@@ -65,4 +65,4 @@ SCENE = SimpleNamespace(bodies=SimpleNamespace(attitude=np.array([[1.0, 0.0, 0.0
 )
 @pytest.mark.parametrize("now", [True, False])
 def test_what_comes_first_on_the_way_in_goes_last_on_the_way_out(overlap, rate, turned, now):
-    assert exact_wedge._comes_edge_first(SCENE, Wall(now), overlap, rate) == (now != turned)
+    assert exact_wedge._approaches_edge_first(SCENE, Wall(now), overlap, rate) == (now != turned)

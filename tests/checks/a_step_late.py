@@ -38,7 +38,7 @@ class StepLate(Engine):
     )
     steps_late = 0
     """Steps that a wrong version lets pass between an overlap and its impulse."""
-    told_after = None
+    reported_after = None
     """Steps between the time at which an overlap is seen and that at which the impact is told to
     have been; None tells nothing."""
     restitution_factor = 1.0
@@ -92,9 +92,9 @@ class StepLate(Engine):
             elif waiting < self.steps_late:
                 waiting += 1
             else:
-                if self.told_after is not None:
+                if self.reported_after is not None:
                     sample, step = divmod(done, stride)
-                    told = float(times[sample] + (step + self.told_after) * h)
+                    told = float(times[sample] + (step + self.reported_after) * h)
                     events.append(Event(time=told, kind="contact", body=overlapping[0][0]))
                 state.collide()
             state.v = state.v + h * state.g

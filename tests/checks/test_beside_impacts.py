@@ -115,16 +115,16 @@ def test_a_velocity_that_is_neither_that_of_before_nor_that_of_after_fails():
     assert ("error", "v.y") in failures(Halfway(), "hard-wall", restitution="1", friction="0")
 
 
-@pytest.mark.parametrize("told_after", [0, 1])
+@pytest.mark.parametrize("reported_after", [0, 1])
 @pytest.mark.parametrize("case", ["hard-wall", "hard-spheres"])
 def test_an_impact_may_be_told_when_it_is_seen_or_at_the_end_of_the_step_that_acts(
-    case, told_after
+    case, reported_after
 ):
-    engine = changed(told_after=told_after)
+    engine = changed(reported_after=reported_after)
     assert failures(engine, case, friction="0") == {}
 
 
-@pytest.mark.parametrize("told_after", [-40, 40])
-def test_an_impact_that_is_told_much_earlier_or_later_fails(told_after):
-    found = failures(changed(told_after=told_after), "hard-wall", friction="0")
+@pytest.mark.parametrize("reported_after", [-40, 40])
+def test_an_impact_that_is_told_much_earlier_or_later_fails(reported_after):
+    found = failures(changed(reported_after=reported_after), "hard-wall", friction="0")
     assert ("event-times", "contact") in found

@@ -90,7 +90,7 @@ def findings(
     return {f"{f.check}/{f.quantity}": f for f in record_of(task).findings}
 
 
-def due(setting: str, *, is_told: bool) -> set[str]:
+def due(setting: str, *, is_reported: bool) -> set[str]:
     """The findings that a sound program must have."""
     found = {"rigid-impact/restitution"}
     if setting in ("throw", "slide"):
@@ -99,7 +99,7 @@ def due(setting: str, *, is_told: bool) -> set[str]:
         found.add("momentum/flights")
     else:
         found |= {"momentum/total", "momentum/pairs"}
-    if is_told:
+    if is_reported:
         found.add("event-times/contact")
     return found
 
@@ -128,7 +128,7 @@ def test_sound_programs_pass(engine: str, method: str, setting: str) -> None:
         assert setting in ("fall", "throw", "slide")
         return
     found = findings(program, method, setting)
-    assert set(found) == due(setting, is_told=engine in ("reference", "transparent"))
+    assert set(found) == due(setting, is_reported=engine in ("reference", "transparent"))
     if (method, setting) == ("verlet-single", "losing"):
         # Balls lie 100 times as far from the origin as they move in the shortest time: single
         # precision rounds their places by more than a time of impact can be told from.
@@ -238,7 +238,7 @@ def of_another_body(events):
     return tuple(Event(e.time, e.kind, (e.body + 2) % 4) for e in events)
 
 
-def told_twice(events):
+def reported_twice(events):
     return (*events, events[0])
 
 
@@ -275,7 +275,7 @@ def unchanged(events):
         (unchanged, "pass"),
         (for_both, "pass"),
         (of_another_body, "fail"),
-        (told_twice, "fail"),
+        (reported_twice, "fail"),
         (one_left_out, "fail"),
         (exchanged, "fail"),
     ],

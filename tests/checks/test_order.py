@@ -12,10 +12,10 @@ import pytest
 from refdem.checks.order import (
     CHECK,
     _misfits,
-    expected_lack,
-    lack,
+    expected_deficit,
     mean_order,
     moving_time,
+    order_deficit,
     with_key,
 )
 from refdem.core import discovery
@@ -59,7 +59,7 @@ from tests.handmade import all_runs
 )
 def test_a_lack_that_goes_as_the_step_falls_is_none(orders):
     claimed = round(orders[-1])
-    assert lack(orders, claimed) <= max(0.15, 0.05 * claimed)
+    assert order_deficit(orders, claimed) <= max(0.15, 0.05 * claimed)
 
 
 @pytest.mark.parametrize(
@@ -77,7 +77,7 @@ def test_a_lack_that_goes_as_the_step_falls_is_none(orders):
     ],
 )
 def test_an_order_that_is_missing_at_the_finest_pair_is_seen(orders, claimed):
-    assert lack(orders, claimed) > max(0.15, 0.05 * claimed)
+    assert order_deficit(orders, claimed) > max(0.15, 0.05 * claimed)
 
 
 def crossing(steps):
@@ -248,7 +248,7 @@ def test_a_lack_may_pass_through_nothing_where_two_terms_cancel():
         a = 0.3 * np.cos(angle)
         b = 0.3 * np.sin(angle)
         orders = [2.0 - (a * h + b * h * h) for h in (1.0, 0.5, 0.25)]
-        assert abs(2.0 - orders[-1]) <= expected_lack(orders, 2.0)
+        assert abs(2.0 - orders[-1]) <= expected_deficit(orders, 2.0)
 
 
 def test_errors_that_are_round_off_below_the_coarsest_level_have_no_order_to_show(judge):

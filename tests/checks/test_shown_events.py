@@ -1,6 +1,6 @@
 """Changes that samples show, and what is not told of them, by hand."""
 
-from refdem.checks._shown_events import ShownEvent, changes, untold
+from refdem.checks._shown_events import ShownEvent, changes, first_unreported
 from refdem.core.trajectory import Event
 
 
@@ -18,6 +18,6 @@ def test_an_event_must_be_told_of_one_of_its_bodies_by_the_time_that_shows_it():
     shown = [second, first]
     of_first = Event(0.5, "contact", 2)
     of_second = Event(3.25, "contact", 0)
-    assert untold(shown, [of_first, of_second], 0.25) is None
-    assert untold(shown, [of_first, of_second], 0.125) == second
-    assert untold(shown, [Event(0.5, "contact", 1), of_second], 0.25) == first
+    assert first_unreported(shown, [of_first, of_second], 0.25) is None
+    assert first_unreported(shown, [of_first, of_second], 0.125) == second
+    assert first_unreported(shown, [Event(0.5, "contact", 1), of_second], 0.25) == first

@@ -7,7 +7,7 @@ from msgspec.structs import replace
 from refdem.core import discovery
 from refdem.core.finding import Finding
 from refdem.core.problem import Request
-from refdem.core.resolution import Resolution, Seen
+from refdem.core.resolution import NumberResolution, Resolution
 from refdem.core.run import Failure
 from refdem.core.store import Store
 from refdem.execution.schedule import InProcess
@@ -39,31 +39,31 @@ def test_a_threshold_is_found_whatever_the_power_with_which_errors_grow(limit, p
 
     found = threshold(trial, trial(FIRST))
     assert found.by == "error/x"
-    assert limit < found.seen <= CLOSE * limit * (1 + 1e-12)
+    assert limit < found.detected <= CLOSE * limit * (1 + 1e-12)
     if power == 1.0:
         assert len(trials) <= 8
 
 
 def test_what_no_finding_fails_up_to_all_of_the_number_is_not_seen():
-    assert threshold(lambda amount: judged(0.5), judged(0.5)).seen is None
+    assert threshold(lambda amount: judged(0.5), judged(0.5)).detected is None
 
 
 def test_what_always_fails_is_seen_at_the_least_misreading():
     found = threshold(lambda amount: judged(np.inf), judged(np.inf))
-    assert found.seen == pytest.approx(LEAST)
+    assert found.detected == pytest.approx(LEAST)
 
 
 def test_a_trial_above_the_smallest_one_changes_nothing():
-    found = Threshold(unseen=1e-4, seen=1e-3, by="error/x")
+    found = Threshold(undetected=1e-4, detected=1e-3, by="error/x")
     found.add(1e-2, judged(100.0))
-    assert (found.unseen, found.seen) == (1e-4, 1e-3)
+    assert (found.undetected, found.detected) == (1e-4, 1e-3)
 
 
 def seen_by_number(label, engine, method, **given):
     instance = discovery.case(label).at(**given)
-    asked = Specification(name="test", case=[], levels=4, method=method)
-    found = resolution(asked, discovery.engine(engine), instance, truth_of(instance))
-    return {seen.number: seen for seen in found.numbers}
+    specification = Specification(name="test", case=[], levels=4, method=method)
+    found = resolution(specification, discovery.engine(engine), instance, truth_of(instance))
+    return {entry.number: entry for entry in found.numbers}
 
 
 def test_a_free_body_shows_its_moments_and_its_spin_and_never_its_mass():
@@ -88,11 +88,11 @@ def test_a_method_that_fails_anyway_notices_nothing():
     """Its step is far too large for the order that it claims."""
     instance = discovery.case("pendulum").at()
     engine = discovery.engine("pymunk")
-    asked = Specification(name="test", case=[], levels=4, method="semi-implicit-euler")
+    specification = Specification(name="test", case=[], levels=4, method="semi-implicit-euler")
     truth = truth_of(instance)
     wrong = {name: [value + 0.1 for value in values] for name, values in truth.values.items()}
-    found = resolution(asked, engine, instance, replace(truth, values=wrong))
-    assert {seen.reason for seen in found.numbers} == {"a finding fails without any misreading"}
+    found = resolution(specification, engine, instance, replace(truth, values=wrong))
+    assert {entry.reason for entry in found.numbers} == {"a finding fails without any misreading"}
 
 
 def test_a_deviation_that_is_expected_hides_nothing_else():
@@ -141,9 +141,9 @@ def test_longer_rods_hold_their_bodies_farther_out():
 
 def test_the_sentence_names_what_is_seen_first_and_what_is_not_with_its_reason():
     found = [
-        Seen(number="friction", smallest=0.02, by="error/x"),
-        Seen(number="inertia of body 1", reason="it never spins"),
-        Seen(number="restitution", smallest=0.003, by="error/x"),
+        NumberResolution(number="friction", smallest=0.02, by="error/x"),
+        NumberResolution(number="inertia of body 1", reason="it never spins"),
+        NumberResolution(number="restitution", smallest=0.003, by="error/x"),
     ]
     given = {"label": "case", "engine": "code", "method": "euler"}
     assert Resolution(numbers=tuple(found), **given).sentence == (
@@ -224,8 +224,10 @@ def nothing(stage, done, total):
 
 def test_only_checks_that_read_plain_runs_count():
     instance = discovery.case("free-rigid-body").at()
-    asked = Specification(name="test", case=[], levels=3, method="rk4")
-    (task,) = plan.tasks(asked, instance, (), discovery.engine("mujoco"), truth_of(instance), "")
+    specification = Specification(name="test", case=[], levels=3, method="rk4")
+    (task,) = plan.tasks(
+        specification, instance, (), discovery.engine("mujoco"), truth_of(instance), ""
+    )
     from refdem.planning.resolution import checks_of_plain_runs
 
     names = checks_of_plain_runs(task)

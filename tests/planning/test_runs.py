@@ -9,21 +9,23 @@ from refdem.core.trajectory import Trajectory
 from refdem.core.variant import Variant
 from refdem.execution.spool import spool
 from refdem.planning import plan
-from refdem.planning.runs import Asked, Hangs, Recent, Runs
+from refdem.planning.runs import Hangs, Recent, RequestedRun, Runs
 from refdem.planning.specification import Entry, Specification
 
 HANG = Failure(kind="hang", sentence="it was still running")
 CRASH = Failure(kind="crash", sentence="its process died")
 
 
-def asked(step: float, duration: str = "4") -> Asked:
+def asked(step: float, duration: str = "4") -> RequestedRun:
     """A run of the reference at a step [s]."""
     specification = Specification(name="t", case=[Entry("harmonic-oscillator")], levels=2)
     instance = discovery.case("harmonic-oscillator").at(duration=duration, samples="16")
     tasks = plan.tasks(specification, instance, (), discovery.engine("reference"), None)
     task = next(one for one in tasks if one.method.control == "step" and one.unsupported is None)
     variant = Variant(step)
-    return Asked(place=(0, variant), task=task, request=plan.request(task, variant), key="key")
+    return RequestedRun(
+        place=(0, variant), task=task, request=plan.request(task, variant), key="key"
+    )
 
 
 @pytest.mark.parametrize(("step", "is_given_up"), [(0.125, True), (0.0625, True), (0.25, False)])

@@ -74,7 +74,7 @@ def test_a_case_has_the_digits_of_its_worst_setting_and_leads_there():
     assert found.label == "pendulum[theta0=3]"
     assert found.cell.worst == "error"
     assert found.cell.counts == {"error": 1, "pass": 2}
-    assert (found.measured, found.asked, found.refused) == (2, 2, {})
+    assert (found.measured, found.requested, found.refused) == (2, 2, {})
 
 
 def test_a_case_that_an_engine_cannot_run_has_no_digits():
@@ -82,7 +82,7 @@ def test_a_case_that_an_engine_cannot_run_has_no_digits():
     found = line.cells["alpha"]
     assert found.cell.digits is None
     assert found.cell.worst == "unsupported"
-    assert (found.measured, found.asked, found.refused) == (0, 1, {"No.": 1})
+    assert (found.measured, found.requested, found.refused) == (0, 1, {"No.": 1})
 
 
 def test_an_exact_setting_speaks_for_a_case_whose_other_settings_were_refused():
@@ -97,7 +97,7 @@ def test_an_exact_setting_speaks_for_a_case_whose_other_settings_were_refused():
     (line,) = lines_of(contents_of(sheets))["swinging"]
     found = line.cells["alpha"]
     assert found.label == "pendulum[theta0=3]"
-    assert (found.cell.digits, found.measured, found.asked) == (math.inf, 1, 2)
+    assert (found.cell.digits, found.measured, found.requested) == (math.inf, 1, 2)
 
 
 def test_an_engine_that_runs_a_part_of_a_case_is_told_with_what_it_refused():

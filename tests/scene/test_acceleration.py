@@ -9,7 +9,7 @@ from refdem.faults.correct_parts import CORRECT
 from refdem.faults.loads import loads
 from refdem.faults.world import start_of, world_of
 from refdem.scene import Body, Scene, Sphere
-from refdem.scene.acceleration import acceleration, lacking
+from refdem.scene.acceleration import acceleration, unsupported_feature
 from refdem.scene.elements.central_field import CentralField
 from refdem.scene.elements.contact import Contact
 from refdem.scene.elements.dashpot import Dashpot
@@ -49,7 +49,7 @@ def test_accelerations_are_the_loads_of_the_transparent_engine_over_masses(
     names: list[str],
 ) -> None:
     scene = Scene.of(BODIES, [ELEMENTS[name] for name in names])
-    assert lacking(scene) is None
+    assert unsupported_feature(scene) is None
     world = world_of(scene, float)
     state = start_of(scene, world, CORRECT.to_body)
     state.t = 0.75
@@ -106,4 +106,4 @@ def test_a_spring_of_no_length_at_its_anchor_does_not_pull() -> None:
     ],
 )
 def test_what_is_more_than_points_in_forces_is_named(body: Body, element, lacks: str) -> None:  # type: ignore[no-untyped-def]
-    assert lacking(Scene.of([body], [element])) == lacks
+    assert unsupported_feature(Scene.of([body], [element])) == lacks

@@ -431,29 +431,34 @@ def mistakes():
 
 @pytest.mark.parametrize(("probe", "number"), mistakes())
 def test_a_known_mistake_is_named_alone_or_as_one_of_equals(probe, number):
-    says, wrong = probe.mistaken[number]
-    seen = probe.right | {name: wrong[name] for name in wrong if name in probe.right}
+    description, wrong = probe.wrong_answers[number]
+    seen = probe.expected_values | {
+        name: wrong[name] for name in wrong if name in probe.expected_values
+    }
     failing = [
-        name for name, values in probe.right.items() if distance(seen[name], values, name) > BOUND
+        name
+        for name, values in probe.expected_values.items()
+        if distance(seen[name], values, name) > BOUND
     ]
     for name in failing:
         elapsed = probe.times - probe.start
-        clause = likely_causes(probe.right, seen, name, elapsed, probe.mistaken)
-        assert says in clause
+        clause = likely_causes(probe.expected_values, seen, name, elapsed, probe.wrong_answers)
+        assert description in clause
         equals = [
             other
-            for other, columns in probe.mistaken
-            if max(distance(seen[n], columns[n], n) for n in wrong if n in probe.right) <= BOUND
+            for other, columns in probe.wrong_answers
+            if max(distance(seen[n], columns[n], n) for n in wrong if n in probe.expected_values)
+            <= BOUND
         ]
         assert all(other in clause for other in equals)
-        assert ("cannot distinguish them" in clause) == (" or " in clause.replace(says, ""))
+        assert ("cannot distinguish them" in clause) == (" or " in clause.replace(description, ""))
 
 
 def test_an_impact_tells_each_mistake_that_changes_it_from_every_other():
     probes = {probe.name: probe for probe in every_probe()}
     for name in ("impact in a plane", "impact in space", "bounce from a wall"):
         probe = probes[name]
-        answers = [*probe.mistaken, ("right", probe.right)]
+        answers = [*probe.wrong_answers, ("right", probe.expected_values)]
         for n, (first, a) in enumerate(answers):
             for second, b in answers[:n]:
                 off = max(distance(a[column], b[column], column) for column in a)

@@ -53,7 +53,7 @@ def simulated(*, forgets, forward):
 
 def errors(**rules):
     seen = simulated(**rules)
-    return {name: distance(seen[name], PROBE.right[name], name) for name in seen}
+    return {name: distance(seen[name], PROBE.expected_values[name], name) for name in seen}
 
 
 @pytest.mark.parametrize("forward", [False, True])

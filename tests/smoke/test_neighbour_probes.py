@@ -122,7 +122,9 @@ def simulated(probe, listed, image=np.round, felt=every_wall):
 
 def largest_error(probe, listed, image=np.round, felt=every_wall):
     seen = simulated(probe, listed, image, felt)
-    return max(distance(seen[name], probe.right[name], name) for name in probe.right)
+    return max(
+        distance(seen[name], probe.expected_values[name], name) for name in probe.expected_values
+    )
 
 
 @pytest.mark.parametrize("name", PROBES)

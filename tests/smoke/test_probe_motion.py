@@ -37,7 +37,10 @@ def test_the_motions_of_probes_are_those_of_these_steps() -> None:
     (close,) = [probe for probe in PROBES if probe.name == CLOSE]
     t = close.times - close.times[0]
     right = motion(close.scene, t, longest_step=SHORT_STEP / 4)
-    assert max(distance(close.right[name], right[name], name) for name in right) < UNCERTAINTY
+    assert (
+        max(distance(close.expected_values[name], right[name], name) for name in right)
+        < UNCERTAINTY
+    )
     assert close.uncertainty == UNCERTAINTY
 
 

@@ -39,7 +39,7 @@ class Peer(Engine):
             return None
         return "its equations are not written for peers"
 
-    def asked(self, problem: Problem, name: str) -> Equations:
+    def supported_equations(self, problem: Problem, name: str) -> Equations:
         """The equations; raises UnsupportedError if there are none."""
         if isinstance(problem, Motion):
             system = equations(problem, cartesian=name.endswith(CARTESIAN))

@@ -62,7 +62,7 @@ class Heyoka(Peer):
         begun = perf_counter()
         problem = request.problem
         tolerance = request.tolerance
-        system = self.asked(problem, request.method)
+        system = self.supported_equations(problem, request.method)
         key = (system.key, tolerance)
         if key not in self._compiled:
             self._compiled[key] = _integrator(system, tolerance)

@@ -37,7 +37,7 @@ class SciPy(Peer):
         """Absolute and relative tolerance the same; steps are the calls of the right-hand side."""
         from scipy.integrate import odeint, solve_ivp
 
-        system = self.asked(request.problem, request.method)
+        system = self.supported_equations(request.problem, request.method)
         t = request.problem.times
         tolerance = max(request.tolerance or 0.0, LEAST)
 

@@ -95,9 +95,9 @@ class External(ProgramEngine):
             anywhere = set()
         else:
             anywhere = DIMENSIONS
-        lacking = sorted(needs - IMPLIED - anywhere - supports)
-        if lacking:
-            return f"{', '.join(lacking)} (not in `supports` of {self.path.name})"
+        missing = sorted(needs - IMPLIED - anywhere - supports)
+        if missing:
+            return f"{', '.join(missing)} (not in `supports` of {self.path.name})"
         return None
 
     def stages(self, request: Request) -> Stages[tuple[Trajectory, Cost]]:

@@ -11,13 +11,13 @@ from refdem.core.outside import one_line
 from refdem.engines.external.features import FEATURES
 
 Picture = Literal["shifted", "rotated", "boosted", "mirrored", "relabelled", "rescaled", "delayed"]
-Told = Literal["contact", "release"]
+ReportedEvent = Literal["contact", "release"]
 Law = Literal["energy", "momentum", "angular-momentum", "constraint"]
 
 Feature = Annotated[str, Meta(extra_json_schema={"enum": sorted(FEATURES)})]
 
 
-def said(words: str) -> Any:
+def doc(words: str) -> Any:
     """The description of a field in the output of `refdem schema toml`."""
     return Meta(description=words)
 
@@ -25,60 +25,58 @@ def said(words: str) -> Any:
 class MethodTable(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """One method of the program and its claims."""
 
-    name: Annotated[str, said("comes to the program as `method` of the request")]
+    name: Annotated[str, doc("comes to the program as `method` of the request")]
     summary: str = ""
     answers: Literal["motion", "solid"] = "motion"
     control: Annotated[
         Literal["step", "tolerance", "exact"],
-        said(
+        doc(
             "what the request sets: the step [s] with its `stride`, the number of steps from each"
             " sample to the next, which the program counts (it never compares times), or a"
             " tolerance"
         ),
     ] = "step"
-    order: Annotated[int, said("claimed: errors fall as step**order")] = 0
+    order: Annotated[int, doc("claimed: errors fall as step**order")] = 0
     order_with: Annotated[
-        dict[str, int], said("the lower order with a feature of the scene, such as contact = 1")
+        dict[str, int], doc("the lower order with a feature of the scene, such as contact = 1")
     ] = {}
     constant: Annotated[
-        float, said("C of the bound C (1 + t/tau) (h/tau)**order, in units of the scales")
+        float, doc("C of the bound C (1 + t/tau) (h/tau)**order, in units of the scales")
     ] = 1.0
     constant_reason: str = ""
-    conserves: Annotated[list[Law], said("kept to round-off, whatever the step")] = []
+    conserves: Annotated[list[Law], doc("kept to round-off, whatever the step")] = []
     reversible: Annotated[
-        bool, said("with velocities reversed it returns to its start, to round-off")
+        bool, doc("with velocities reversed it returns to its start, to round-off")
     ] = False
-    symplectic: Annotated[bool, said("no secular drift of energy, also where bodies turn")] = False
+    symplectic: Annotated[bool, doc("no secular drift of energy, also where bodies turn")] = False
     backward: Annotated[
-        bool, said("it accepts sample times that decrease; the step stays positive")
+        bool, doc("it accepts sample times that decrease; the step stays positive")
     ] = False
     differenced_velocities: Annotated[
-        bool, said("velocities are differences of places over a step h, which rounds them by u r/h")
+        bool, doc("velocities are differences of places over a step h, which rounds them by u r/h")
     ] = False
     locates_events: Annotated[
         bool,
-        said(
-            "events are reported at their own times, not at the end of the step that detects them"
-        ),
+        doc("events are reported at their own times, not at the end of the step that detects them"),
     ] = False
     cuts_steps: Annotated[
         bool,
-        said("steps end at each kink of the force: where a contact begins, sticks, slips or ends"),
+        doc("steps end at each kink of the force: where a contact begins, sticks, slips or ends"),
     ] = False
     tells: Annotated[
-        list[Told],
-        said(
+        list[ReportedEvent],
+        doc(
             "kinds of events of which it reports every one, between bodies and at walls, so that a"
             " missing one is detected even in a run without any"
         ),
     ] = []
     complete_state: Annotated[
-        bool, said("a run can go on from positions, velocities, attitudes and omegas alone")
+        bool, doc("a run can go on from positions, velocities, attitudes and omegas alone")
     ] = True
-    deterministic: Annotated[bool, said("the same request gives the same bits")] = True
+    deterministic: Annotated[bool, doc("the same request gives the same bits")] = True
     threads: Annotated[
         bool,
-        said(
+        doc(
             "a request may have `threads` above 1, and any number of them gives the same bits;"
             " one run on two threads is then compared with that on one"
         ),
@@ -86,7 +84,7 @@ class MethodTable(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fiel
 
     differentiates: Annotated[
         bool,
-        said(
+        doc(
             "a request may name numbers of the scene as `sensitivities`; the program then writes"
             " the derivatives of its states by them to {sensitivities}"
         ),
@@ -122,12 +120,10 @@ class EngineTable(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fiel
     """The program: its command (never a shell), what belongs to it, what it can do."""
 
     name: str
-    install: Annotated[str, said("what to do on a machine without the program, in a few words")] = (
-        ""
-    )
+    install: Annotated[str, doc("what to do on a machine without the program, in a few words")] = ""
     command: Annotated[
         list[str],
-        said(
+        doc(
             "argv, run in an empty folder; {request} {request_txt} {trajectory} {events} stand for"
             " files, events as CSV time,kind,body; {trajectory_npy} for a trajectory as an array"
             " in NumPy's format, {sensitivities} for derivatives as CSV"
@@ -136,51 +132,51 @@ class EngineTable(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fiel
     methods: list[MethodTable]
     inputs: Annotated[
         list[str],
-        said(
+        doc(
             "patterns of files below this one whose change makes results stale, sources for"
             " instance"
         ),
     ] = []
     version_command: list[str] = []
     supports: Annotated[
-        list[Feature], said("what its scenes may have; a case that needs more is left out")
+        list[Feature], doc("what its scenes may have; a case that needs more is left out")
     ] = []
     precision: Literal["double", "single"] = "double"
     velocity_time: Annotated[
         Literal["synchronous", "minus-half-step"],
-        said(
+        doc(
             "minus-half-step: velocities and omegas of a row hold half a step before its t, at the"
             " first row too"
         ),
     ] = "synchronous"
     may_refuse: Annotated[
         list[Picture],
-        said(
+        doc(
             "images of a scene (shifted, rotated, mirrored) that it may refuse with exit status 77"
             " although it runs the scene itself; any other is an error"
         ),
     ] = []
     serve: Annotated[
         bool,
-        said(
+        doc(
             "the program stays alive: it reads requests as lines of JSON on standard input, with"
             " the paths of files, and answers each with a line; its command names no files"
         ),
     ] = False
     start_timeout: Annotated[
-        float, said("[s] with `serve`, that it may take until it says that it is ready")
+        float, doc("[s] with `serve`, that it may take until it says that it is ready")
     ] = 60.0
     warm_up: Annotated[
         float,
-        said(
+        doc(
             "[s] with `serve`, that a request may take beyond `timeout` until the program says that"
             " it is warm, after a compilation for instance"
         ),
     ] = 0.0
-    timeout: Annotated[float, said("[s] a run may take")] = 60.0
-    budget: Annotated[float, said("[s] a gate may take")] = 600.0
+    timeout: Annotated[float, doc("[s] a run may take")] = 60.0
+    budget: Annotated[float, doc("[s] a gate may take")] = 600.0
     memory: Annotated[
-        float | None, said("[GB] a process of a run may take; without it 9/10 of what there is")
+        float | None, doc("[GB] a process of a run may take; without it 9/10 of what there is")
     ] = None
 
 
@@ -189,7 +185,7 @@ class GateTable(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields
 
     cases: Annotated[
         list[str],
-        said(
+        doc(
             "`pendulum` or `pendulum[theta0=2 mass=3]`; none: all that it supports, some at several"
             " settings, and the probes of `refdem smoke`"
         ),
@@ -215,7 +211,7 @@ class Description(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fiel
 
     engine: EngineTable
     audit: Annotated[
-        list[AuditTable], said("settings of the program that its driver sets or leaves alone")
+        list[AuditTable], doc("settings of the program that its driver sets or leaves alone")
     ] = []
     gate: GateTable = GateTable()
     expected: list[Deviation] = []

@@ -94,7 +94,7 @@ class Supervised:
         command = [sys.executable, "-I", "-S", str(SUPERVISOR), *own]
         with theirs:
             self.process = subprocess.Popen(command, stdin=theirs.fileno(), start_new_session=True)
-        self.said = self.socket.makefile("rb")
+        self.answers = self.socket.makefile("rb")
 
     def ended(self, request: dict[str, Any], out: BinaryIO, err: BinaryIO) -> Ended:
         """Runs the requested program; raises EngineError if it cannot be started or if the
@@ -123,7 +123,7 @@ class Supervised:
         try:
             text = json.dumps(request).encode() + b"\n"
             socket.send_fds(self.socket, [text], descriptors)
-            line = self.said.readline()
+            line = self.answers.readline()
         except OSError:
             line = b""
         finally:
@@ -148,7 +148,7 @@ class Supervised:
     def close(self) -> None:
         """Ends the supervisor and the processes that it runs."""
         self.stop()
-        self.said.close()
+        self.answers.close()
         self.socket.close()
         # A supervisor that was stopped by a signal continues, and ends the programs that it runs.
         self.process.send_signal(signal.SIGCONT)

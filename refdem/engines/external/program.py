@@ -88,8 +88,8 @@ class Program:
                 status = run(command, self.home, out, err, VERSION_LIMITS).status
             except EngineError:
                 return ""
-            said = [_beginning(file) for file in (out, err)]
-        lines = (said[0] or said[1]).splitlines()
+            outputs = [_beginning(file) for file in (out, err)]
+        lines = (outputs[0] or outputs[1]).splitlines()
         if lines and status == 0:
             return one_line(lines[0], 80)
         return ""

@@ -42,8 +42,8 @@ Fault = tuple[str, object, str]
 def read(path: Path) -> Description:
     """The description in a refdem.toml; raises UsageError that names the fault."""
     description = toml_as(Description, path, "a refdem.toml that describes a program")
-    for name, came, expected in nonsense(description.engine, description.gate):
-        raise UsageError(f"{path}: {name} is {came!r}; expected {expected}")
+    for name, value, expected in nonsense(description.engine, description.gate):
+        raise UsageError(f"{path}: {name} is {value!r}; expected {expected}")
     return description
 
 

@@ -18,7 +18,7 @@ from refdem.core.trajectory import Cost, Trajectory
 from refdem.engines.external.folders import run_folder
 from refdem.engines.external.leaks import Answer, Sample, difference, words
 from refdem.engines.external.program import Program, most_bytes, steps_of, written
-from refdem.engines.external.serving import Asked, Exchange, Identity, Reply, ServedLimits
+from refdem.engines.external.serving import Exchange, Identity, Reply, ServedLimits, WrittenRequest
 from refdem.errors import EngineError, LeakError, UnsupportedError
 
 BEFORE = "request-before.json"
@@ -41,18 +41,18 @@ class ServedProgram(Program):
         if sample.leak:
             # Its answers depend on earlier requests, so that no further one can be judged.
             raise LeakError(f"{sample.leak}; nothing more was asked of this method")
-        asked = self._asked(request, folder)
-        exchange = Exchange(self.table.name, self._command(), identity, [asked])
+        written_request = self._written_request(request, folder)
+        exchange = Exchange(self.table.name, self._command(), identity, [written_request])
         result = yield exchange.made
         result()
         (reply,) = exchange.replies
         # The program still runs, and may have taken the name: then its output is not shown.
         with suppress(EngineError):
-            put_new(folder / "stderr.txt", reply.said.encode(errors="replace"))
-        answer = answered(asked, reply)
+            put_new(folder / "stderr.txt", reply.messages.encode(errors="replace"))
+        answer = answered(written_request, reply)
         if self._is_deterministic(request.method):
             if sample.takes(request, reply.before):
-                yield from self._asked_again(asked, answer, reply, sample)
+                yield from self._compared_with_fresh(written_request, answer, reply, sample)
                 sample.keep(request, answer)
             elif sample.earlier is None:
                 sample.keep(request, answer)
@@ -61,8 +61,8 @@ class ServedProgram(Program):
         cost = Cost(seconds=reply.seconds, setup=reply.setup, steps=steps_of(request))
         return answer.trajectory, cost
 
-    def _asked_again(
-        self, asked: Asked, answer: Answer, reply: Reply, sample: Sample
+    def _compared_with_fresh(
+        self, written_request: WrittenRequest, answer: Answer, reply: Reply, sample: Sample
     ) -> Stages[None]:
         """Repeats the request in a fresh process, and then an earlier one, in reverse order.
 
@@ -71,12 +71,12 @@ class ServedProgram(Program):
         before = reply.before
         # Other runs go on while this one waits, and keep others in the sample.
         kept_earlier = sample.earlier
-        again = yield from self._fresh(asked.request, kept_earlier)
+        again = yield from self._fresh(written_request.request, kept_earlier)
         name = self.table.name
-        place = asked.paths["request"].with_name(BEFORE)
+        place = written_request.paths["request"].with_name(BEFORE)
         differs = difference(answer, again[0])
         if differs and before is not None:
-            twice = yield from self._fresh(asked.request, None)
+            twice = yield from self._fresh(written_request.request, None)
             changing = difference(again[0], twice[0])
             if changing:
                 raise EngineError(
@@ -108,24 +108,24 @@ class ServedProgram(Program):
         """The answers of a fresh process to a request, and to an `earlier` one after it."""
         name = self.table.name
         with run_folder(name) as first, run_folder(name) as second:
-            asked = [self._asked(request, first)]
+            requests = [self._written_request(request, first)]
             if earlier is not None:
-                asked.append(self._asked(earlier[0], second))
+                requests.append(self._written_request(earlier[0], second))
             exchange = Exchange(
-                self.table.name, self._command(), self._identity(), asked, is_fresh=True
+                self.table.name, self._command(), self._identity(), requests, is_fresh=True
             )
             result = yield exchange.made
             try:
                 result()
-                pairs = zip(asked, exchange.replies, strict=True)
+                pairs = zip(requests, exchange.replies, strict=True)
                 return [answered(one, reply) for one, reply in pairs]
             except EngineError as error:
                 which = "this request, asked again in a fresh process"
-                if exchange.replies and len(asked) > 1:
+                if exchange.replies and len(requests) > 1:
                     which = "another request, asked again after this one in a fresh process"
                 raise type(error)(f"{which}: {error}") from None
 
-    def _asked(self, request: Request, folder: Path) -> Asked:
+    def _written_request(self, request: Request, folder: Path) -> WrittenRequest:
         """A request whose files are written into its folder."""
         table = self.table
         limits = ServedLimits(
@@ -135,7 +135,7 @@ class ServedProgram(Program):
             start_timeout=table.start_timeout,
             warm_up=table.warm_up,
         )
-        return Asked(request=request, paths=written(request, folder), limits=limits)
+        return WrittenRequest(request=request, paths=written(request, folder), limits=limits)
 
     def _command(self) -> list[str]:
         """The command of a program that stays alive."""
@@ -155,13 +155,13 @@ class ServedProgram(Program):
         return any(method.deterministic for method in self.table.methods if method.name == name)
 
 
-def answered(asked: Asked, reply: Reply) -> Answer:
+def answered(written_request: WrittenRequest, reply: Reply) -> Answer:
     """The answer of a program that stays alive; raises EngineError for a malformed trajectory."""
     if reply.answer == "unsupported":
         reason = reply.reason or "the program answers that the scene is not supported"
         return Answer(trajectory=None, refusal=reason)
-    paths = asked.paths
-    problem = asked.request.problem
+    paths = written_request.paths
+    problem = written_request.request.problem
     trajectory = read_answer(problem, paths["trajectory"], paths["events"])
-    asked_for = asked.request.sensitivities
-    return Answer(trajectory=with_sensitivities(trajectory, paths["sensitivities"], asked_for))
+    requested = written_request.request.sensitivities
+    return Answer(trajectory=with_sensitivities(trajectory, paths["sensitivities"], requested))

@@ -71,7 +71,7 @@ class ServedLimits(Limits):
 
 
 @dataclass(frozen=True, kw_only=True)
-class Asked:
+class WrittenRequest:
     """A request, the files of its folder by name, and its limits."""
 
     request: Request
@@ -88,15 +88,15 @@ class Reply:
     """The answer to a request.
 
     `answer` is `done` or `unsupported`, with a `reason`; `seconds` are those of stepping and
-    `setup` those of set-up; `said` is the program's standard error; `before` is the request that
-    the same process had answered before, if any.
+    `setup` those of set-up; `messages` is the program's standard error; `before` is the request
+    that the same process had answered before, if any.
     """
 
     answer: str
     reason: str
     seconds: float
     setup: float
-    said: str
+    messages: str
     before: Request | None
 
 
@@ -134,11 +134,11 @@ class Served:
         """Whether its supervisor runs."""
         return self.supervised.process.poll() is None
 
-    def reply(self, asked: Asked) -> Reply:
+    def reply(self, written_request: WrittenRequest) -> Reply:
         """The reply to a request; raises EngineError if there is none, or a failure."""
         self.count += 1
         number = str(self.count)
-        limits = asked.limits
+        limits = written_request.limits
         if not is_there(self.folder):
             # An earlier process may have deleted the folder; the next one gets a new folder.
             self.folder = made_in_home(self.name)
@@ -152,36 +152,36 @@ class Served:
             "bytes": limits.file_bytes,
             "memory": limits.memory,
             "id": number,
-            "line": asked.line(number),
+            "line": written_request.line(number),
         }
-        said = self.supervised.answer(message, [])
+        answer = self.supervised.answer(message, [])
         before = self.before
-        if "fault" in said:
+        if "fault" in answer:
             self.before = None
-            raise self._error(said, message)
-        self.before = asked.request
-        if said["answer"] == "failed":
-            raise EngineError(f"{self.name} failed: {one_line(said['reason'])[:MAX_OUTPUT]}")
+            raise self._error(answer, message)
+        self.before = written_request.request
+        if answer["answer"] == "failed":
+            raise EngineError(f"{self.name} failed: {one_line(answer['reason'])[:MAX_OUTPUT]}")
         return Reply(
-            answer=said["answer"],
-            reason=one_line(said["reason"])[:MAX_OUTPUT],
-            seconds=said["seconds"],
-            setup=said["start"] + said["warm"],
-            said=said["said"],
+            answer=answer["answer"],
+            reason=one_line(answer["reason"])[:MAX_OUTPUT],
+            seconds=answer["seconds"],
+            setup=answer["start"] + answer["warm"],
+            messages=answer["said"],
             before=before,
         )
 
-    def _error(self, said: dict[str, Any], message: dict[str, Any]) -> EngineError:
+    def _error(self, answer: dict[str, Any], message: dict[str, Any]) -> EngineError:
         """The error for a request that the program did not answer properly."""
-        if said["fault"] == "memory":
-            return too_much_memory(message, said["taken"])
-        sentence = f"{self.name} {_FAULTS[said['fault']](said, message)}"
-        messages = one_line(" / ".join(said["said"].strip().splitlines()))[-MAX_OUTPUT:]
+        if answer["fault"] == "memory":
+            return too_much_memory(message, answer["taken"])
+        sentence = f"{self.name} {_FAULTS[answer['fault']](answer, message)}"
+        messages = one_line(" / ".join(answer["said"].strip().splitlines()))[-MAX_OUTPUT:]
         if messages:
             sentence += f" (standard error: {messages})"
-        if said["phase"] == "start":
+        if answer["phase"] == "start":
             return NotStartedError(sentence)
-        if said["fault"] == "hang":
+        if answer["fault"] == "hang":
             return HangError(sentence)
         return EngineError(sentence)
 
@@ -200,20 +200,20 @@ class NotStartedError(EngineError):
     """A program that stays alive did not get ready."""
 
 
-def _half(said: dict[str, Any]) -> str:
+def _half(answer: dict[str, Any]) -> str:
     """The unfinished last line of the program's output."""
-    if not said["half"]:
+    if not answer["half"]:
         return ""
-    return f", after half a line {one_line(said['half'], SHOWN)!r}"
+    return f", after half a line {one_line(answer['half'], SHOWN)!r}"
 
 
-def _ended(said: dict[str, Any], _: dict[str, Any]) -> str:
+def _ended(answer: dict[str, Any], _: dict[str, Any]) -> str:
     """The words for a program that ended instead of staying alive."""
-    words = f"ended with {status_words(said['status'])}"
-    half = _half(said)
-    if said["phase"] == "start":
+    words = f"ended with {status_words(answer['status'])}"
+    half = _half(answer)
+    if answer["phase"] == "start":
         return f"{words} before it was ready to read requests{half}"
-    if said["phase"] == "idle":
+    if answer["phase"] == "idle":
         return (
             f"{words} after its answer to the request before this one{half}; expected a program"
             " that reads requests until its standard input ends"
@@ -221,50 +221,50 @@ def _ended(said: dict[str, Any], _: dict[str, Any]) -> str:
     return f"{words} and did not answer{half}"
 
 
-def _hung(said: dict[str, Any], message: dict[str, Any]) -> str:
+def _hung(answer: dict[str, Any], message: dict[str, Any]) -> str:
     """The words for a program that exceeded a time limit."""
-    if said["phase"] == "start":
+    if answer["phase"] == "start":
         return (
             f"was not ready after {message['ready']:g} s and was ended; expected the line {READY}"
             " on standard output, flushed, as soon as it can read requests (`start_timeout` in"
-            f" refdem.toml){_half(said)}"
+            f" refdem.toml){_half(answer)}"
         )
-    return f"was still running after {message['timeout']:g} s and was ended{_half(said)}"
+    return f"was still running after {message['timeout']:g} s and was ended{_half(answer)}"
 
 
-def _stray(said: dict[str, Any], message: dict[str, Any]) -> str:
+def _stray(answer: dict[str, Any], message: dict[str, Any]) -> str:
     """The words for a line that is no answer."""
     expected = f'{{"id": "{message["id"]}", "done": true}}, `unsupported` or `failed`'
     when = "as the answer to a request"
-    if said["phase"] == "start":
+    if answer["phase"] == "start":
         expected = READY
         when = "as its first line"
-    if said["phase"] == "idle":
+    if answer["phase"] == "idle":
         expected = "nothing before the next request"
         when = "after its answer to the request before this one"
-    return f"wrote {one_line(said['line'], SHOWN)!r} {when}; expected {expected}: {ADVICE}"
+    return f"wrote {one_line(answer['line'], SHOWN)!r} {when}; expected {expected}: {ADVICE}"
 
 
-def _other(said: dict[str, Any], message: dict[str, Any]) -> str:
+def _other(answer: dict[str, Any], message: dict[str, Any]) -> str:
     """The words for an answer with the id of another request."""
     return (
-        f"wrote {one_line(said['line'], SHOWN)!r} as the answer to request {message['id']!r};"
+        f"wrote {one_line(answer['line'], SHOWN)!r} as the answer to request {message['id']!r};"
         " expected the id of the request, each answered before the next is read"
     )
 
 
 _FAULTS: dict[str, Callable[[dict[str, Any], dict[str, Any]], str]] = {
-    "problem": lambda said, _: f"cannot be started: {one_line(said['words'])}",
+    "problem": lambda answer, _: f"cannot be started: {one_line(answer['words'])}",
     "ended": _ended,
     "hang": _hung,
     "stray": _stray,
     "other": _other,
-    "long": lambda said, _: (
-        f"wrote a line of more than {said['most']} bytes to standard output, beginning with"
-        f" {one_line(said['line'], SHOWN)!r}: {ADVICE}"
+    "long": lambda answer, _: (
+        f"wrote a line of more than {answer['most']} bytes to standard output, beginning with"
+        f" {one_line(answer['line'], SHOWN)!r}: {ADVICE}"
     ),
-    "flood": lambda said, _: (
-        f"wrote more than {said['most']} bytes to standard error during one request and was ended"
+    "flood": lambda answer, _: (
+        f"wrote more than {answer['most']} bytes to standard error during one request and was ended"
     ),
     "closed": lambda _, __: (
         "closed its standard output and did not answer; expected a program that leaves it open"
@@ -288,7 +288,7 @@ class Exchange:
         name: str,
         command: list[str],
         identity: Identity,
-        asked: list[Asked],
+        requests: list[WrittenRequest],
         *,
         is_fresh: bool = False,
     ) -> None:
@@ -296,7 +296,7 @@ class Exchange:
         self.name = name
         self.command = command
         self.identity = (is_fresh, *identity)
-        self.asked = asked
+        self.requests = requests
         self.is_fresh = is_fresh
         self.replies: list[Reply] = []
 
@@ -314,9 +314,9 @@ class Exchange:
 
     def _ask(self, served: Served) -> None:
         """Asks one request after another."""
-        for asked in self.asked:
+        for request in self.requests:
             try:
-                self.replies.append(served.reply(asked))
+                self.replies.append(served.reply(request))
             except NotStartedError as error:
                 _FAILED_STARTS[self.identity].append(error)
                 raise

@@ -56,7 +56,7 @@ DISMISSED = 0
 """Exit status of the process that serves, when refdem goes on without it."""
 ABANDONED = 3
 """Exit status of the process that serves, when refdem is gone."""
-MOST_ASKED = 2**20
+MOST_REQUEST = 2**20
 """Most bytes of a line that requests a run."""
 MOST_LINE = 2**16
 """Most bytes of an answer of a program that stays alive; a reason takes some hundred."""
@@ -105,11 +105,11 @@ class TooMuchMemoryError(Exception):
 
 
 class FaultError(Exception):
-    """A program that stays alive violated the protocol; `said` has the details for refdem."""
+    """A program that stays alive violated the protocol; `details` describes it for refdem."""
 
-    def __init__(self, fault: str, **said: Any) -> None:
+    def __init__(self, fault: str, **details: Any) -> None:
         super().__init__(fault)
-        self.said: dict[str, Any] = {"fault": fault, **said}
+        self.details: dict[str, Any] = {"fault": fault, **details}
 
 
 class Service:
@@ -132,7 +132,7 @@ class Service:
         self.status: int | None = None
         self.text = b""
         self.messages = b""
-        self.told = 0
+        self.message_bytes = 0
         self.open = {self.answering, self.telling}
         self.is_deaf = False
         self.look = time.monotonic() + LOOK
@@ -168,7 +168,7 @@ class Service:
         """Starts a new phase; later messages on standard error belong to it."""
         self.phase = phase
         self.messages = b""
-        self.told = 0
+        self.message_bytes = 0
 
     def line(self) -> "bytes | None":
         """The next complete line of its output, if there is one."""
@@ -187,9 +187,9 @@ class Service:
                 raise FaultError("long", most=MOST_LINE, line=shown(self.text))
         if self.telling in self.open:
             part = self.part(self.telling)
-            self.told += len(part)
+            self.message_bytes += len(part)
             self.messages = (self.messages + part)[-LAST_MESSAGES:]
-            if self.told > MOST_MESSAGES:
+            if self.message_bytes > MOST_MESSAGES:
                 raise FaultError("flood", most=MOST_MESSAGES)
 
     def part(self, pipe: int) -> bytes:
@@ -208,9 +208,9 @@ class Service:
         It stops after MOST_DRAINED reads, as a program may write without end.
         """
         for _ in range(MOST_DRAINED):
-            before = self.told, len(self.text)
+            before = self.message_bytes, len(self.text)
             self.read()
-            if before == (self.told, len(self.text)):
+            if before == (self.message_bytes, len(self.text)):
                 return
 
     @property
@@ -235,7 +235,7 @@ class Service:
             raise FaultError("memory", taken=taken)
 
     @property
-    def said(self) -> str:
+    def last_messages(self) -> str:
         """The end of its messages."""
         return self.messages.decode(errors="replace")
 
@@ -243,8 +243,8 @@ class Service:
 class Supervisor:
     """Answers what comes over a socket until it is closed."""
 
-    def __init__(self, asked: socket.socket) -> None:
-        self.asked = asked
+    def __init__(self, connection: socket.socket) -> None:
+        self.connection = connection
         self.is_dismissed = False
         self.service: Service | None = None
         self.woken, waking = os.pipe()
@@ -268,10 +268,10 @@ class Supervisor:
             else:
                 answer = self.answer(request, descriptors)
             try:
-                self.asked.sendall(json.dumps(answer).encode() + b"\n")
+                self.connection.sendall(json.dumps(answer).encode() + b"\n")
             except OSError:
                 # refdem no longer waits for the answer; it may have sent GOODBYE before.
-                self.is_dismissed = self.asked.recv(len(GOODBYE)) == GOODBYE
+                self.is_dismissed = self.connection.recv(len(GOODBYE)) == GOODBYE
                 raise
 
     def received(self) -> "tuple[dict[str, Any], list[int]] | None":
@@ -279,7 +279,7 @@ class Supervisor:
         text = b""
         descriptors: list[int] = []
         while not text.endswith(b"\n"):
-            part, more, _, _ = socket.recv_fds(self.asked, MOST_ASKED, 2)
+            part, more, _, _ = socket.recv_fds(self.connection, MOST_REQUEST, 2)
             if not part:
                 self.is_dismissed = text == GOODBYE
                 return None
@@ -321,10 +321,10 @@ class Supervisor:
             left = until - time.monotonic()
             if left <= 0:
                 return None
-            asked = self.asked.fileno()
-            ready, _, _ = select.select([asked, self.woken], [], [], min(left, LOOK))
-            if asked in ready:
-                self.is_dismissed = self.asked.recv(len(GOODBYE)) == GOODBYE
+            connection = self.connection.fileno()
+            ready, _, _ = select.select([connection, self.woken], [], [], min(left, LOOK))
+            if connection in ready:
+                self.is_dismissed = self.connection.recv(len(GOODBYE)) == GOODBYE
                 raise AbandonedError
             # This is checked in every pass: children that end all the time would keep `select`
             # from timing out.
@@ -349,16 +349,16 @@ class Supervisor:
                 service = self.service = Service(request)
                 self.ready(service, request)
                 start = time.monotonic() - began
-            return self.answered(service, request) | {"start": start, "said": service.said}
+            return self.answered(service, request) | {"start": start, "said": service.last_messages}
         except FaultError as fault:
             end_descendants()
             if service is None:
-                return fault.said | {"phase": "start", "said": ""}
+                return fault.details | {"phase": "start", "said": ""}
             with contextlib.suppress(FaultError):
                 service.drain()
             service.close()
             self.service = None
-            return fault.said | {"phase": service.phase, "said": service.said}
+            return fault.details | {"phase": service.phase, "said": service.last_messages}
 
     def ready(self, service: Service, request: "dict[str, Any]") -> None:
         """Waits until the program reports that it is ready; raises FaultError if it does not."""
@@ -431,14 +431,14 @@ class Supervisor:
             left = until - time.monotonic()
             if left <= 0:
                 raise FaultError(service.silence, half=shown(service.text))
-            asked = self.asked.fileno()
-            heard = [asked, self.woken, *service.open]
+            connection = self.connection.fileno()
+            heard = [connection, self.woken, *service.open]
             if service.silence != "hang":
                 # No answer is possible any more; wait briefly for the program to end.
                 until = min(until, time.monotonic() + GRACE)
             ready, _, _ = select.select(heard, [], [], min(left, LOOK))
-            if asked in ready:
-                self.is_dismissed = self.asked.recv(len(GOODBYE)) == GOODBYE
+            if connection in ready:
+                self.is_dismissed = self.connection.recv(len(GOODBYE)) == GOODBYE
                 raise AbandonedError
 
     def refuse_end(self, service: Service) -> None:
@@ -482,20 +482,20 @@ def dictionary(line: bytes) -> "dict[str, Any]":
     """
     try:
         # From bytes, UTF-16 would be read as well.
-        said = json.loads(line.decode("utf-8-sig"), object_pairs_hook=each_once)
+        content = json.loads(line.decode("utf-8-sig"), object_pairs_hook=each_once)
     except (ValueError, RecursionError):
-        said = None
-    if not isinstance(said, dict):
+        content = None
+    if not isinstance(content, dict):
         raise FaultError("stray", line=shown(line))
-    return said
+    return content
 
 
 def each_once(pairs: "list[tuple[str, Any]]") -> "dict[str, Any]":
     """The dictionary of these pairs; raises ValueError where a key comes twice."""
-    said = dict(pairs)
-    if len(said) < len(pairs):
+    content = dict(pairs)
+    if len(content) < len(pairs):
         raise ValueError
-    return said
+    return content
 
 
 def shown(text: bytes) -> str:
@@ -525,20 +525,20 @@ def lower(most: int, allowed: int) -> int:
 
 def started(request: "dict[str, Any]", descriptors: "list[int]") -> "tuple[int | None, str]":
     """The process of a program in a session of its own, or None and why it cannot be started."""
-    told, telling = os.pipe()
+    reading, writing = os.pipe()
     program = os.fork()
     if program == 0:
         try:
             become(request, descriptors)
         except BaseException as error:
-            os.write(telling, str(error).encode(errors="replace")[:1000])
+            os.write(writing, str(error).encode(errors="replace")[:1000])
         os._exit(127)
-    os.close(telling)
+    os.close(writing)
     # The pipe closes by itself when the program begins.
     problem = b""
-    while part := os.read(told, 4096):
+    while part := os.read(reading, 4096):
         problem += part
-    os.close(told)
+    os.close(reading)
     if problem:
         os.waitpid(program, 0)
         return None, problem.decode(errors="replace")
@@ -708,7 +708,7 @@ def main() -> None:
     # A program must not be able to write answers itself, so it inherits neither this descriptor nor
     # this standard input. If refdem has no standard output or no standard error, descriptors 1 or 2
     # are free, and the copy must not get one of these numbers.
-    asked = socket.socket(fileno=fcntl.fcntl(0, fcntl.F_DUPFD_CLOEXEC, STREAMS))
+    connection = socket.socket(fileno=fcntl.fcntl(0, fcntl.F_DUPFD_CLOEXEC, STREAMS))
     nothing = os.open(os.devnull, os.O_RDWR)
     for target in (0, 1):
         os.dup2(nothing, target)
@@ -720,16 +720,16 @@ def main() -> None:
     control(PR_SET_CHILD_SUBREAPER, 1)
     serving = os.fork()
     if serving == 0:
-        serve(asked)
-    asked.close()
+        serve(connection)
+    connection.close()
     # The process id is an argument and not os.getppid(), as the parent may have ended by now.
     guard(serving, int(sys.argv[2]), Path(sys.argv[1]))
 
 
-def serve(asked: socket.socket) -> None:
+def serve(connection: socket.socket) -> None:
     """Answers all requests, then ends the remaining descendants and this process."""
     control(PR_SET_CHILD_SUBREAPER, 1)
-    supervisor = Supervisor(asked)
+    supervisor = Supervisor(connection)
     try:
         with contextlib.suppress(OSError, AbandonedError):
             supervisor.answers()

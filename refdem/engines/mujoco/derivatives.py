@@ -85,7 +85,7 @@ def of_states(
     derivatives = {}
     for key in request.sensitivities:
         tangents = products @ _of_start(mujoco, model, request, key, start)
-        derivatives[key] = _told(mujoco, model, rows, tangents, read)
+        derivatives[key] = _state_derivatives(mujoco, model, rows, tangents, read)
     return derivatives
 
 
@@ -128,7 +128,7 @@ def _reach(scene: Scene, column: str) -> float:
     return float(np.max(np.abs(getattr(scene.bodies, column)))) or 1.0
 
 
-def _told(mujoco: Any, model: Any, rows: Array, tangents: Array, read: Read) -> Array:
+def _state_derivatives(mujoco: Any, model: Any, rows: Array, tangents: Array, read: Read) -> Array:
     """The derivative (T, N, 13) of the states along tangents (T, 2 nv) of all samples."""
     fastest = float(np.max(np.abs(tangents))) or 1.0
     distance = DISTANCE * _size(model, rows) / fastest

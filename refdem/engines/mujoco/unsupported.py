@@ -19,7 +19,7 @@ from refdem.scene.elements.contact import Contact
 from refdem.scene.elements.slider import Slider
 from refdem.scene.elements.uniform_gravity import UniformGravity
 
-SAID = {
+SUPPORTED = {
     "ball_joint",
     "central_field",
     "dashpot",
@@ -33,7 +33,7 @@ SAID = {
     "contact",
     "uniform_gravity",
 }
-UNSAID = {
+UNSUPPORTED = {
     "moving_anchor": engine_cannot(
         "a joint that follows a function of time: a mocap body is moved between"
         " steps and has no velocity"
@@ -74,8 +74,8 @@ def unsupported(problem: Motion, method: str = "rk4") -> str | None:
             "negative time steps: MuJoCo accepts them but does not document their meaning"
         )
     for element in scene.elements:
-        if element.kind not in SAID:
-            return UNSAID.get(element.kind, adapter_lacks(f"the element {element.kind}"))
+        if element.kind not in SUPPORTED:
+            return UNSUPPORTED.get(element.kind, adapter_lacks(f"the element {element.kind}"))
     for judged in (
         _of_bodies,
         links.of_springs,

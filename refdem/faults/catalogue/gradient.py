@@ -75,10 +75,10 @@ def _transposed(derivatives: Derivatives) -> Derivatives:
     """The derivatives of states by the start with rows and columns of the matrix exchanged."""
     places = {f"scene.bodies.0.position.{axis}": axis for axis in range(3)}
     places |= {f"scene.bodies.0.velocity.{axis}": 3 + axis for axis in range(3)}
-    asked = [key for key in places if key in derivatives]
+    requested = [key for key in places if key in derivatives]
     transposed = {key: np.array(slopes) for key, slopes in derivatives.items()}
-    for key in asked:
-        for other in asked:
+    for key in requested:
+        for other in requested:
             transposed[key][:, 0, places[other]] = derivatives[other][:, 0, places[key]]
     return transposed
 
@@ -141,7 +141,7 @@ def _plain_rest(left: Any, time: Any) -> Any:
     return left - value_of(time)
 
 
-def _told_before(before: Any, after: Any) -> Any:
+def _state_before_step(before: Any, after: Any) -> Any:
     """The state before the last step, in place of the state after it."""
     return before
 
@@ -166,7 +166,7 @@ FAULTS = (
         sentence="The last step before a sample is not differentiated.",
         on=SMOOTH,
         sees=("gradient", "order"),
-        inside=within("tangent", of_parts(told=_told_before)),
+        inside=within("tangent", of_parts(reported_state=_state_before_step)),
     ),
     gradient(
         name="gradient-of-other-sign",

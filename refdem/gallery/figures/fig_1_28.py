@@ -63,10 +63,10 @@ def forces(whole: Slider) -> Panel:
 
 def law(**parameters: object) -> Slider:
     """The slider of the case at these parameters."""
-    asked = instance("stick-slip", **parameters)
+    case_instance = instance("stick-slip", **parameters)
     if not parameters:
-        remember(command(asked))
-    return asked.scene.all(Slider)[0]
+        remember(command(case_instance))
+    return case_instance.scene.all(Slider)[0]
 
 
 def signed(slider: Slider) -> Array:

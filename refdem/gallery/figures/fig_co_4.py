@@ -99,9 +99,9 @@ def curves(member: str) -> dict[str, Array]:
     remember(command(instance(CASE, member=member)))
     ends = []
     for angle in np.radians(ANGLES):
-        asked = instance(CASE, member=member, angle=float(angle))
-        first_and_last = asked.times[[0, -1]]
-        end = asked.observe(answer(Motion(asked.scene, first_and_last)))
+        case_instance = instance(CASE, member=member, angle=float(angle))
+        first_and_last = case_instance.times[[0, -1]]
+        end = case_instance.observe(answer(Motion(case_instance.scene, first_and_last)))
         ends.append((-end["v.x"][-1], end["v.y"][-1], -end["omega.z"][-1], end["v.y"][0]))
     return impact_quantities(*np.array(ends).T)
 
@@ -124,11 +124,11 @@ def farthest(law: dict[str, Array]) -> float:
     """Largest distance of the linear law's spin and restitution from certified ones, relative."""
     deviations = []
     for angle in CERTIFIED:
-        asked = instance(CASE, member="co-4", angle=float(np.radians(angle)))
-        last = Fraction(float(asked.times[-1]))
-        certified = asked.truth().at(last)
+        case_instance = instance(CASE, member="co-4", angle=float(np.radians(angle)))
+        last = Fraction(float(case_instance.times[-1]))
+        certified = case_instance.truth().at(last)
         end = {name: np.array([float(ball.mid)]) for name, ball in certified.items()}
-        before = asked.scene.bodies.velocity[0, 1:2]
+        before = case_instance.scene.bodies.velocity[0, 1:2]
         expected = impact_quantities(-end["v.x"], end["v.y"], -end["omega.z"], before)
         for name in ("spin", "tangential restitution"):
             on_curve = law[name][angle == ANGLES]

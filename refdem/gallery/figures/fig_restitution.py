@@ -52,13 +52,13 @@ def figure() -> Figure:
     largest = 0.0
     numbers: dict[str, float] = {}
     for ink, (engine, method, label) in enumerate(installed):
-        seen = np.array([of_spheres(engine, method, restitution=e) for e in RESTITUTIONS])
+        measured = np.array([of_spheres(engine, method, restitution=e) for e in RESTITUTIONS])
         at_speeds = np.array(
             [of_spheres(engine, method, restitution=GIVEN, closing_speed=v) for v in SPEEDS]
         )
-        over_restitution.append(curve(wanted, seen, label, ink))
+        over_restitution.append(curve(wanted, measured, label, ink))
         over_speed.append(curve(speeds, at_speeds, label, ink))
-        largest = max(largest, np.abs(seen - wanted).max(), np.abs(at_speeds - given).max())
+        largest = max(largest, np.abs(measured - wanted).max(), np.abs(at_speeds - given).max())
         bounces = of_bounces(engine, method)
         if bounces is not None:
             over_step.append(curve(*bounces, label, ink))
@@ -126,19 +126,19 @@ def across(curves: list[Series], value: float) -> tuple[Array, Array]:
     return np.array([x.min(), x.max()]), np.array([value, value])
 
 
-def run_of(engine: str, method: str, asked: Instance, stride: int) -> Any:
+def run_of(engine: str, method: str, case_instance: Instance, stride: int) -> Any:
     """The run of a method with this number of steps in an interval; exact methods need no step."""
     step = None
     if discovery.engine(engine).method(method).control == "step":
-        step = float(asked.problem.interval) / stride
-    request = Request(problem=asked.problem, method=method, step=step)
+        step = float(case_instance.problem.interval) / stride
+    request = Request(problem=case_instance.problem, method=method, step=step)
     return discovery.engine(engine).run(request)[0]
 
 
 def of_spheres(engine: str, method: str, **parameters: str) -> float:
     """The parting over the closing speed of two spheres that meet head-on."""
-    asked = instance("hard-spheres", offset="0,0", samples="16", **parameters)
-    run = run_of(engine, method, asked, STRIDE)
+    case_instance = instance("hard-spheres", offset="0,0", samples="16", **parameters)
+    run = run_of(engine, method, case_instance, STRIDE)
     relative = run.velocity[:, 1, 0] - run.velocity[:, 0, 0]
     return float(relative[-1] / -relative[0])
 
@@ -149,19 +149,19 @@ def of_bounces(engine: str, method: str) -> tuple[Array, Array] | None:
 
     Both speeds are those at the time at which the ball touches: in flight they change by g t.
     """
-    asked = instance("bouncing-ball", bounces="1", samples="16", restitution=GIVEN)
+    case_instance = instance("bouncing-ball", bounces="1", samples="16", restitution=GIVEN)
     chosen = discovery.engine(engine).method(method)
-    if discovery.engine(engine).unsupported(asked.problem, chosen) is not None:
+    if discovery.engine(engine).unsupported(case_instance.problem, chosen) is not None:
         return None
-    gravity = float(asked.p.gravity)
-    fall = float(np.sqrt(2.0 * asked.p.height / gravity))
+    gravity = float(case_instance.p.gravity)
+    fall = float(np.sqrt(2.0 * case_instance.p.height / gravity))
     steps = []
-    seen = []
+    measured = []
     for stride in STRIDES:
-        run = run_of(engine, method, asked, stride)
+        run = run_of(engine, method, case_instance, stride)
         last = len(run.t) - 1
         towards = -(run.velocity[0, 0, 1] - gravity * fall)
         away = run.velocity[last, 0, 1] + gravity * (run.t[last] - fall)
-        steps.append(float(asked.problem.interval) / stride / fall)
-        seen.append(float(away / towards))
-    return np.array(steps), np.array(seen)
+        steps.append(float(case_instance.problem.interval) / stride / fall)
+        measured.append(float(away / towards))
+    return np.array(steps), np.array(measured)

@@ -80,15 +80,15 @@ def growth_rates(copies: Copies) -> Array:
 
 def certified_rate() -> float:
     """The mean rate [1/s] at which the certified bound S of a free body about this axis grows."""
-    asked = instance(
+    case_instance = instance(
         "free-rigid-body",
         inertia=tuple(INERTIA.tolist()),
         omega_body=(0, SPIN, 0),
         attitude="1,2,3,4",
         duration=LASTS,
     )
-    remember(command(asked))
-    truth = asked.truth()
+    remember(command(case_instance))
+    truth = case_instance.truth()
     lasts = Fraction(QUARTERS * pi / 2 / SPIN)
     growth = truth.sensitivity(FROM + lasts) / truth.sensitivity(FROM)
     return log(growth) / float(lasts)

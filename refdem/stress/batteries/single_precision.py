@@ -29,7 +29,9 @@ BATTERY = Battery(
             promised=promised,
             basis=BASIS,
             measure=Frame(
-                "rescaled", lambda instance, x: Symmetry(units=(1.0, 1.0 + x, 1.0)), told_apart=True
+                "rescaled",
+                lambda instance, x: Symmetry(units=(1.0, 1.0 + x, 1.0)),
+                is_distinguishable=True,
             ),
         )
         for case, promised in (

@@ -47,13 +47,13 @@ class Frame(Measure):
     """Another frame: `show` returns the transformation of a point x, `change` names the symmetry it
     belongs to.
 
-    With `told_apart` the transformation differs from the identity by the relative amount x, and the
-    runs must distinguish a tenth of that difference.
+    With `is_distinguishable` the transformation differs from the identity by the relative amount
+    x, and the runs must distinguish a tenth of that difference.
     """
 
     change: Change
     show: Show
-    told_apart: bool = False
+    is_distinguishable: bool = False
 
     def instance(self, case: Canonical, parameters: Mapping[str, str], x: Fraction) -> Instance:
         """The case with its own parameters, whatever the point."""
@@ -94,7 +94,7 @@ class Frame(Measure):
     def checks(self, subject: Subject, x: Fraction) -> tuple[Check, ...]:
         """The check that the motion is the same."""
         part = None
-        if self.told_apart:
+        if self.is_distinguishable:
             part = float(x)
         return (SameMotion(self.change, self.show(subject.instance, float(x)), part),)
 

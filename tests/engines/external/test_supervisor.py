@@ -250,14 +250,14 @@ def test_a_request_that_comes_in_pieces_is_one_request(
     monkeypatch.setattr(signal, "signal", lambda *_: None)
     monkeypatch.setattr(signal, "set_wakeup_fd", lambda _: -1)
     ours, its = socket.socketpair()
-    asked = supervisor.Supervisor(its)
+    server = supervisor.Supervisor(its)
     text = b'{"command": ["a", "b"]}\n'
     size = -(-len(text) // pieces)
     ends = [os.pipe() for _ in range(pieces)]
     for number in range(pieces):
         part = text[number * size : (number + 1) * size]
         socket.send_fds(ours, [part], [ends[number][1]])
-    received = asked.received()
+    received = server.received()
     assert received is not None
     request, descriptors = received
     assert request == {"command": ["a", "b"]}
@@ -267,7 +267,7 @@ def test_a_request_that_comes_in_pieces_is_one_request(
     assert len(descriptors) == pieces
     for descriptor in (*descriptors, *(end for pair in ends for end in pair)):
         os.close(descriptor)
-    os.close(asked.woken)
+    os.close(server.woken)
     ours.close()
     its.close()
 
@@ -281,12 +281,12 @@ def test_only_a_goodbye_dismisses(
     monkeypatch.setattr(signal, "signal", lambda *_: None)
     monkeypatch.setattr(signal, "set_wakeup_fd", lambda _: -1)
     ours, its = socket.socketpair()
-    asked = supervisor.Supervisor(its)
+    server = supervisor.Supervisor(its)
     ours.sendall(last)
     ours.close()
-    assert asked.received() is None
-    assert asked.is_dismissed is is_dismissed
-    os.close(asked.woken)
+    assert server.received() is None
+    assert server.is_dismissed is is_dismissed
+    os.close(server.woken)
     its.close()
 
 
@@ -303,7 +303,7 @@ def test_memory_is_looked_at_also_where_an_answer_has_come_already(
     watching = object.__new__(supervisor.Supervisor)
     with pytest.raises(supervisor.FaultError) as raised:
         watching.next_line(service, until=float("inf"), most=199)
-    assert raised.value.said == {"fault": "memory", "taken": 200}
+    assert raised.value.details == {"fault": "memory", "taken": 200}
     service.look = 0.0
     assert watching.next_line(service, until=float("inf"), most=200) == b'{"id": "1", "done": true}'
     # The next look comes a while after this one.

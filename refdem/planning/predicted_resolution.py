@@ -33,7 +33,7 @@ from refdem.core.case import Array, Instance
 from refdem.core.engine import Engine
 from refdem.core.parameters import labelled
 from refdem.core.problem import Request
-from refdem.core.resolution import Resolution, Seen
+from refdem.core.resolution import NumberResolution, Resolution
 from refdem.core.run import Run
 from refdem.core.trajectory import Trajectory
 from refdem.core.truth import SampledTruth
@@ -77,10 +77,10 @@ class Displaced(Instance):
 
     def observe(self, trajectory: Trajectory) -> dict[str, Array]:
         """Every quantity that the trajectory shows, each (T,), displaced."""
-        seen = super().observe(trajectory)
+        quantities = super().observe(trajectory)
         return {
             name: values + self.by[name][: len(values)] if name in self.by else values
-            for name, values in seen.items()
+            for name, values in quantities.items()
         }
 
 
@@ -90,24 +90,26 @@ def beside(specification: Specification, found: Resolution) -> Resolution:
     narrow = specification.of_one(instance, found.method)
     engine = discovery.engine(found.engine)
     try:
-        of_numbers = foreseen(narrow, engine, instance, truth_of(instance))
+        of_numbers = predicted(narrow, engine, instance, truth_of(instance))
     except NotCertifiedError as error:
-        of_numbers = tuple(Seen(number=one.number, reason=str(error)) for one in found.numbers)
+        of_numbers = tuple(
+            NumberResolution(number=one.number, reason=str(error)) for one in found.numbers
+        )
     by_name = {one.number: one for one in of_numbers}
     numbers = []
-    for seen in found.numbers:
-        computed = by_name.get(seen.number)
+    for entry in found.numbers:
+        computed = by_name.get(entry.number)
         if computed is not None:
-            seen = msgspec.structs.replace(
-                seen, computed=computed.smallest, computed_by=computed.by or computed.reason
+            entry = msgspec.structs.replace(
+                entry, computed=computed.smallest, computed_by=computed.by or computed.reason
             )
-        numbers.append(seen)
+        numbers.append(entry)
     return msgspec.structs.replace(found, numbers=tuple(numbers))
 
 
-def foreseen(
+def predicted(
     specification: Specification, engine: Engine, instance: Instance, truth: SampledTruth
-) -> tuple[Seen, ...]:
+) -> tuple[NumberResolution, ...]:
     """The predicted resolution of the specified method for each number of the scene.
 
     Raises NotCertifiedError where derivatives are not certified.
@@ -120,28 +122,30 @@ def foreseen(
     listed = list(scene_numbers.numbers(instance.scene))
     if any(finding.outcome in ("fail", "error") for finding in sound.findings):
         why = "a finding fails without any misreading"
-        return tuple(Seen(number=number.name, reason=why) for number in listed)
+        return tuple(NumberResolution(number=number.name, reason=why) for number in listed)
     verdicts = Verdicts(task, runs)
     slopes = Slopes.of(instance, truth)
-    return tuple(_seen(verdicts, slopes, number) for number in listed)
+    return tuple(_predicted_for(verdicts, slopes, number) for number in listed)
 
 
-def _seen(verdicts: "Verdicts", slopes: "Slopes", number: scene_numbers.Number) -> Seen:
+def _predicted_for(
+    verdicts: "Verdicts", slopes: "Slopes", number: scene_numbers.Number
+) -> NumberResolution:
     """The predicted resolution for one number of the scene."""
     instance = verdicts.task.subject.instance
     directions = numbers_behind(instance, number)
     if not directions:
-        return Seen(number=number.name, reason=NOT_OF_THE_CASE)
+        return NumberResolution(number=number.name, reason=NOT_OF_THE_CASE)
     if any(one.name in slopes.missing for one in directions):
-        return Seen(number=number.name, reason=NO_DERIVATIVE)
+        return NumberResolution(number=number.name, reason=NO_DERIVATIVE)
     by = slopes.along(directions)
     scales = instance.quantities
     if all(np.max(np.abs(change)) <= STILL * scales[name].scale for name, change in by.items()):
-        return Seen(number=number.name, reason="no quantity depends on it")
+        return NumberResolution(number=number.name, reason="no quantity depends on it")
     found = threshold(lambda amount: verdicts.displaced(by, amount), verdicts.displaced(by, FIRST))
-    if found.seen is None or found.seen > SMALL:
-        return Seen(number=number.name, reason=NOT_SMALL)
-    return Seen(number=number.name, smallest=max(found.seen, LEAST), by=found.by)
+    if found.detected is None or found.detected > SMALL:
+        return NumberResolution(number=number.name, reason=NOT_SMALL)
+    return NumberResolution(number=number.name, smallest=max(found.detected, LEAST), by=found.by)
 
 
 @dataclass(frozen=True)

@@ -3,23 +3,23 @@
 import pytest
 
 from refdem.core import discovery
-from refdem.core.resolution import Resolution, Seen
+from refdem.core.resolution import NumberResolution, Resolution
 from refdem.faults.numbers import numbers
-from refdem.planning.foreseen import (
+from refdem.planning.in_process import truth_of
+from refdem.planning.predicted_resolution import (
     NO_DERIVATIVE,
     NOT_OF_THE_CASE,
     NOT_SMALL,
     SMALL,
     beside,
-    foreseen,
     numbers_behind,
+    predicted,
 )
-from refdem.planning.in_process import truth_of
 from refdem.planning.resolution import resolution
 from refdem.planning.specification import Specification
 
 AGREE = 2.0
-"""Factor within which what is foreseen and what is planted agree."""
+"""Factor within which what is predicted and what is planted agree."""
 AGAINST_TRUTH = ["error", "limit", "order"]
 """Checks that see nothing but quantities, which are displaced alike in both."""
 PLANTED = [
@@ -57,21 +57,25 @@ def test_what_is_foreseen_is_what_misread_runs_show(name, engine, method, given)
     instance = discovery.case(name).at(**given)
     code = discovery.engine(engine)
     truth = truth_of(instance)
-    asked = Specification(name="test", case=[], levels=4, method=method, checks=AGAINST_TRUTH)
-    planted = {seen.number: seen for seen in resolution(asked, code, instance, truth).numbers}
-    computed = foreseen(asked, code, instance, truth)
-    assert [seen.number for seen in computed] == list(planted)
+    specification = Specification(
+        name="test", case=[], levels=4, method=method, checks=AGAINST_TRUTH
+    )
+    planted = {
+        entry.number: entry for entry in resolution(specification, code, instance, truth).numbers
+    }
+    computed = predicted(specification, code, instance, truth)
+    assert [entry.number for entry in computed] == list(planted)
     compared = 0
-    for seen in computed:
-        shown = planted[seen.number].smallest
-        if seen.reason == NOT_OF_THE_CASE:
-            assert seen.number in WITHOUT
-        elif seen.smallest is None:
-            assert seen.reason in (NOT_SMALL, NO_DERIVATIVE, "no quantity depends on it")
+    for entry in computed:
+        shown = planted[entry.number].smallest
+        if entry.reason == NOT_OF_THE_CASE:
+            assert entry.number in WITHOUT
+        elif entry.smallest is None:
+            assert entry.reason in (NOT_SMALL, NO_DERIVATIVE, "no quantity depends on it")
             assert shown is None or shown > SMALL / AGREE
         else:
-            assert shown is not None, seen
-            assert shown / AGREE <= seen.smallest <= AGREE * shown, (seen, planted[seen.number])
+            assert shown is not None, entry
+            assert shown / AGREE <= entry.smallest <= AGREE * shown, (entry, planted[entry.number])
             compared += 1
     assert compared >= 2
 
@@ -99,12 +103,15 @@ def test_a_number_that_is_no_smaller_than_a_scene_allows_is_still_known():
 
 
 def test_it_stands_beside_what_was_measured():
-    seen = (Seen(number="mass", smallest=1e-9, by="error/x"), Seen(number="exponent of the spring"))
-    measured = Resolution(
-        label="harmonic-oscillator[mass=2]", engine="rebound", method="leapfrog", numbers=seen
+    entries = (
+        NumberResolution(number="mass", smallest=1e-9, by="error/x"),
+        NumberResolution(number="exponent of the spring"),
     )
-    asked = Specification(name="test", case=[], levels=4)
-    mass, exponent = beside(asked, measured).numbers
+    measured = Resolution(
+        label="harmonic-oscillator[mass=2]", engine="rebound", method="leapfrog", numbers=entries
+    )
+    specification = Specification(name="test", case=[], levels=4)
+    mass, exponent = beside(specification, measured).numbers
     assert (mass.smallest, mass.by) == (1e-9, "error/x")
     assert 0 < mass.computed < 1e-6
     assert mass.computed_by
