@@ -12,7 +12,6 @@ from refdem.core.resolution import Resolution, size_of
 from refdem.report.files import written
 from refdem.report.jsonl import lines as jsonl
 from refdem.report.jsonl import sheets_in
-from refdem.report.markdown import table
 
 PAGE = "resolution.md"
 DATA = "resolution.jsonl"
@@ -86,6 +85,9 @@ def markdown(found: Iterable[Resolution]) -> str:
 
 def _table(label: str, found: list[Resolution]) -> str:
     """The table of one case, and why some misreadings are not detected."""
+    # Imports jinja2, which reading what was measured does not need.
+    from refdem.report.markdown import table
+
     names = list(dict.fromkeys(seen.number for one in found for seen in one.numbers))
     by_method = [{seen.number: seen for seen in one.numbers} for one in found]
     rows = []
