@@ -43,6 +43,8 @@ def command(
         listed = found(" ".join(words))
     if what == "engines":
         listed += [name for name in codes.descriptions() if name not in listed]
+    if what == "cases" and not json:
+        kinds[what] = case_with_parameters
     items = [kinds[what](name) for name in listed]
     if json:
         print(format.dumps(items, indent=1))
@@ -81,6 +83,19 @@ def case(name: str) -> dict[str, Any]:
     from refdem.core.selection import Selection
 
     listed = discovery.case(name)
+    described = case_with_parameters(name)
+    if isinstance(listed, Selection):
+        return described
+    quantities = listed.at().quantities.values()
+    return described | {"quantities": [{"name": q.name, "unit": q.unit} for q in quantities]}
+
+
+def case_with_parameters(name: str) -> dict[str, Any]:
+    """The same without the quantities, for which some cases compute their motion."""
+    from refdem.core import discovery
+    from refdem.core.selection import Selection
+
+    listed = discovery.case(name)
     if isinstance(listed, Selection):
         return {
             "id": listed.id,
@@ -88,7 +103,6 @@ def case(name: str) -> dict[str, Any]:
             "statement": listed.statement,
             "selects_by_check": listed.check,
         }
-    instance = listed.at()
     parameters = [
         {
             "name": p.name,
@@ -99,15 +113,13 @@ def case(name: str) -> dict[str, Any]:
             "choices": p.choices,
             "doc": p.doc,
         }
-        for p in instance.p.declared.values()
+        for p in (*listed.parameters, *listed.clock)
     ]
-    quantities = [{"name": q.name, "unit": q.unit} for q in instance.quantities.values()]
     return {
         "id": listed.id,
         "title": listed.title,
         "statement": listed.statement,
         "parameters": parameters,
-        "quantities": quantities,
     }
 
 

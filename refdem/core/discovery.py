@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from functools import cache
 from importlib import import_module
-from importlib.metadata import entry_points
+from importlib.metadata import EntryPoint, entry_points
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -56,9 +56,16 @@ def _names(folder: str) -> tuple[str, ...]:
 
 
 @cache
-def _others(group: str) -> dict[str, Any]:
-    """Entry points of other packages in `refdem.<group>`."""
-    return {point.name: point for point in entry_points(group=f"refdem.{group}")}
+def _others() -> dict[str, dict[str, EntryPoint]]:
+    """Entry points of other packages in `refdem.<folder>`, by folder and name.
+
+    The metadata of all installed packages are read once for all folders.
+    """
+    of_all_packages = entry_points()
+    return {
+        folder: {point.name: point for point in of_all_packages.select(group=f"refdem.{folder}")}
+        for folder in ("cases", "checks", "engines")
+    }
 
 
 def _load(folder: str, attribute: str, name: str) -> Any:
@@ -70,7 +77,7 @@ def _load(folder: str, attribute: str, name: str) -> Any:
     modules = {module.replace("_", "-"): module for module in _names(folder)}
     if name in modules:
         return getattr(import_module(f"refdem.{folder}.{modules[name]}"), attribute)
-    entry_points_by_name = _others(folder)
+    entry_points_by_name = _others()[folder]
     if name in entry_points_by_name:
         return entry_points_by_name[name].load()
     others: list[str] = []
@@ -86,7 +93,7 @@ def _load(folder: str, attribute: str, name: str) -> Any:
 
 def names(folder: str) -> list[str]:
     """Ids of all `cases`, `checks` or `engines`, without importing them."""
-    return sorted({*(module.replace("_", "-") for module in _names(folder)), *_others(folder)})
+    return sorted({*(module.replace("_", "-") for module in _names(folder)), *_others()[folder]})
 
 
 def own_names(folder: str) -> list[str]:
@@ -96,14 +103,14 @@ def own_names(folder: str) -> list[str]:
 
 def has_others(folder: str) -> bool:
     """True if another package brings cases, checks or engines."""
-    return bool(_others(folder))
+    return bool(_others()[folder])
 
 
 def package_of(folder: str, name: str) -> str | None:
     """The distribution of another package that brings the case, check or engine of that name, or
     None.
     """
-    point = _others(folder).get(name)
+    point = _others()[folder].get(name)
     if point is None or point.dist is None:
         return None
     return str(point.dist.name)

@@ -4,9 +4,9 @@ import hashlib
 import os
 import platform
 import sys
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from functools import cache
-from importlib.metadata import PackageNotFoundError, distribution
+from importlib.metadata import PackageNotFoundError, distribution, version
 from pathlib import Path
 
 
@@ -16,6 +16,14 @@ def of_files(paths: Iterable[Path]) -> str:
     for path in sorted(paths):
         digest.update(os.fsencode(path.name) + b"\0" + hashlib.sha256(path.read_bytes()).digest())
     return digest.hexdigest()
+
+
+@cache
+def version_of(name: str) -> str:
+    """The version of an installed package. Its metadata are parsed once in a process: an engine
+    asks for each of its methods.
+    """
+    return version(name)
 
 
 @cache
@@ -68,12 +76,28 @@ def of_tree(root: Path) -> str:
     Hidden files and Python's caches are left out.
     """
     digest = hashlib.sha256()
-    for path in sorted(root.rglob("*")):
-        if path.is_file() and not path.name.startswith(".") and path.suffix != ".pyc":
-            digest.update(
-                f"{path.relative_to(root)}\0".encode() + hashlib.sha256(path.read_bytes()).digest()
-            )
+    for parts in sorted(_files_below(root)):
+        # Plain text instead of Path objects: refdem has more than a thousand files.
+        path = os.path.join(*parts)
+        content = _content(os.path.join(root, path))
+        digest.update(f"{path}\0".encode() + hashlib.sha256(content).digest())
     return digest.hexdigest()
+
+
+def _files_below(root: Path) -> Iterator[tuple[str, ...]]:
+    """The parts of the relative path of every file that `of_tree` reads."""
+    for folder, _, names in os.walk(root):
+        above = Path(folder).relative_to(root).parts
+        for name in names:
+            is_left_out = name.startswith(".") or name.endswith(".pyc")
+            if not is_left_out and os.path.isfile(os.path.join(folder, name)):
+                yield *above, name
+
+
+def _content(path: str) -> bytes:
+    """The bytes of the file at this path."""
+    with open(path, "rb") as file:
+        return file.read()
 
 
 @cache

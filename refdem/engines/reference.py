@@ -5,9 +5,8 @@ passes the request on to it.
 import hashlib
 import inspect
 from dataclasses import replace
-from functools import cached_property
+from functools import cache, cached_property
 from importlib import import_module
-from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
@@ -72,7 +71,7 @@ class Reference(Engine):
             fingerprint.of_source(
                 "engines/reference.py", "solvers/solver.py", *_shared(), "scene", "mechanics"
             ),
-            version("numpy"),
+            fingerprint.version_of("numpy"),
             fingerprint.of_machine(),
         )
         return hashlib.sha256("\0".join(parts).encode()).hexdigest()
@@ -128,9 +127,10 @@ class Reference(Engine):
         )
 
 
-def _shared() -> list[str]:
+@cache
+def _shared() -> tuple[str, ...]:
     """Private modules beside the solvers, which any of them may use."""
-    return sorted(f"solvers/{path.name}" for path in FOLDER.glob("_*.py"))
+    return tuple(sorted(f"solvers/{path.name}" for path in FOLDER.glob("_*.py")))
 
 
 ENGINE = Reference()

@@ -14,8 +14,6 @@ from refdem.core.finding import CampaignSheet, CaseSheet, Sheet
 from refdem.core.store import Store
 from refdem.engines.external import folders
 from refdem.errors import UsageError
-from refdem.execution import remote
-from refdem.execution.cluster import Cluster
 from refdem.execution.schedule import InProcess, Progress, Schedule, Scheduler
 from refdem.execution.spool import Spool, spool
 from refdem.planning import plan, required, sheets, unchanged
@@ -134,6 +132,10 @@ class Campaign:
         timeout = self.specification.timeout
         here = Schedule(self.jobs, timeout)
         if self.scheduler:
+            # Imports asyncio, which only a cluster needs.
+            from refdem.execution import remote
+            from refdem.execution.cluster import Cluster
+
             return Cluster(self.scheduler, remote.code_state(engines), timeout, here)
         return here
 

@@ -10,7 +10,6 @@ from refdem.core.case import Instance
 from refdem.core.check import CertifiedMatrix, Subject
 from refdem.core.engine import Method
 from refdem.core.scene_numbers import keys_of, known_rates
-from refdem.truth.sensitivities import numbers_of, sensitivities_at
 
 DIGITS = 17
 """Digits of the certified derivatives, which are compared with doubles."""
@@ -30,6 +29,9 @@ def certified_matrix(subject: Subject, times: tuple[float, ...]) -> CertifiedMat
 @cache
 def _proved(case: str, given: Given, times: tuple[float, ...]) -> CertifiedMatrix:
     """The same of a case at given parameters, proved once in a process."""
+    # Imports python-flint, which a campaign that is read from the store does not need.
+    from refdem.truth.sensitivities import numbers_of, sensitivities_at
+
     instance = discovery.case(case).at(**dict(given))
     p = instance.case.written_out(instance.p)
     of = []
@@ -46,6 +48,8 @@ def requested_numbers(instance: Instance, method: Method) -> tuple[str, ...]:
     """The keys of the numbers of the scene on which some number of the case acts, as far as the
     method differentiates by them.
     """
+    from refdem.truth.sensitivities import numbers_of
+
     p = instance.case.written_out(instance.p)
     rates = {}
     for number in numbers_of(p):

@@ -5,6 +5,7 @@ the report of a single case and for a page of the manual.
 import hashlib
 from collections.abc import Iterator
 from fractions import Fraction
+from typing import TYPE_CHECKING
 
 import msgspec
 
@@ -18,7 +19,9 @@ from refdem.errors import NotCertifiedError
 from refdem.execution.schedule import Job, Schedule
 from refdem.planning.specification import Specification
 from refdem.planning.truths import truth_key
-from refdem.truth.sensitivities import Number, Sensitivities, numbers_of, sensitivities
+
+if TYPE_CHECKING:
+    from refdem.truth.sensitivities import Number, Sensitivities
 
 DIGITS = 8
 """Decimal places to which derivatives are proved; a line shows four digits."""
@@ -93,6 +96,9 @@ def moved_lines(instance: Instance) -> tuple[MovedLine, ...]:
     """A line for each number of a motion at its defaults; none where derivatives are not
     certified.
     """
+    # Imports python-flint, which a sheet that is read from the store does not need.
+    from refdem.truth.sensitivities import numbers_of, sensitivities
+
     time = moved_at(instance)
     if not time:
         return ()
@@ -105,7 +111,9 @@ def moved_lines(instance: Instance) -> tuple[MovedLine, ...]:
     return tuple(line(instance, found, number, value) for number, value in numbers)
 
 
-def line(instance: Instance, found: Sensitivities, number: Number, value: Fraction) -> MovedLine:
+def line(
+    instance: Instance, found: "Sensitivities", number: "Number", value: Fraction
+) -> MovedLine:
     """The line of one number of this value: the quantity with the largest |dq/dp|/scale."""
     name = number.name
     unit = instance.p.declared[number.parameter].unit
@@ -129,7 +137,7 @@ def line(instance: Instance, found: Sensitivities, number: Number, value: Fracti
 
 
 def moves(
-    instance: Instance, found: Sensitivities, name: str
+    instance: Instance, found: "Sensitivities", name: str
 ) -> Iterator[tuple[float, str, float]]:
     """|dq/dp|/scale, the quantity, and dq/dp, for every quantity and one number."""
     for quantity, by_number in found.of.items():

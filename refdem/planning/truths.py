@@ -7,7 +7,6 @@ import os
 import tempfile
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import replace
-from importlib.metadata import version as installed
 from typing import BinaryIO
 
 import msgspec
@@ -171,7 +170,8 @@ def truth_key(instance: Instance, delays: tuple[float, ...] = ()) -> str:
     requested = [instance.case.id, instance.p.texts(), instance.times.tolist(), *delays]
     digest = hashlib.sha256(msgspec.json.encode(requested))
     source = fingerprint.of_source("truth", "core/truth.py", "core/case.py")
-    digest.update(f"{source}\0{_of_case(instance)}\0{installed('python-flint')}".encode())
+    flint = fingerprint.version_of("python-flint")
+    digest.update(f"{source}\0{_of_case(instance)}\0{flint}".encode())
     return digest.hexdigest()
 
 

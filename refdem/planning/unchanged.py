@@ -4,7 +4,6 @@ changed, nothing is planned, read or judged again.
 
 import hashlib
 import platform
-from importlib.metadata import version as installed
 
 import msgspec
 
@@ -27,7 +26,7 @@ def key_of(specification: Specification, engines: list[Engine]) -> str | None:
         return None
     folders = [validation_folder() / name for name in ("expected", "truth")]
     code = [fingerprint.of_refdem(), *map(fingerprint.of_tree, folders)]
-    libraries = map(installed, ("numpy", "python-flint", "msgspec"))
+    libraries = map(fingerprint.version_of, ("numpy", "python-flint", "msgspec"))
     environment = [platform.python_version(), *libraries, fingerprint.of_machine()]
     of_engines = [_of_engine(engine) for engine in engines]
     content = [code, environment, specification, of_engines]

@@ -12,6 +12,7 @@ from markupsafe import Markup
 from refdem.core.finding import WORST_FIRST, EngineSheet, Finding, Record
 from refdem.core.outside import printable
 from refdem.report import index
+from refdem.report.compiled import cache_beside
 from refdem.report.contents import Contents, anchor, page
 from refdem.report.invariants import law_sheets
 from refdem.report.mathml import equations
@@ -149,8 +150,10 @@ def distances(rows: list[Row]) -> list[tuple[str, str, float, float]]:
 
 def environment() -> Environment:
     """The environment: undefined names are errors, everything is escaped."""
+    folder = Path(__file__).with_name("templates")
     templates = Environment(
-        loader=FileSystemLoader(Path(__file__).with_name("templates")),
+        loader=FileSystemLoader(folder),
+        bytecode_cache=cache_beside(folder),
         autoescape=True,
         undefined=StrictUndefined,
         trim_blocks=True,

@@ -12,7 +12,6 @@ from refdem.core.resolution import Resolution, size_of
 from refdem.report.files import written
 from refdem.report.jsonl import lines as jsonl
 from refdem.report.jsonl import sheets_in
-from refdem.report.markdown import table
 
 PAGE = "resolution.md"
 DATA = "resolution.jsonl"
@@ -88,6 +87,9 @@ def markdown(found: Iterable[Resolution]) -> str:
 
 def _table(label: str, found: list[Resolution]) -> str:
     """The table of one case, and why some misreadings are not detected."""
+    # Imports jinja2, which reading what was measured does not need.
+    from refdem.report.markdown import table
+
     names = list(dict.fromkeys(entry.number for one in found for entry in one.numbers))
     by_method = [{entry.number: entry for entry in one.numbers} for one in found]
     rows = []

@@ -6,6 +6,7 @@ import pytest
 from typer.testing import CliRunner
 
 from refdem.cli.app import app
+from refdem.core.case import Canonical
 from refdem.errors import UsageError
 
 
@@ -19,6 +20,20 @@ def test_words_leave_the_cases_that_have_all_of_them():
     assert listed("cases", "pool") == ["billiard-break", "billiards"]
     assert listed("cases", "friction", "belt") == ["poincare-sections", "stick-slip"]
     assert {"billiards", "pendulum"} <= set(listed("cases"))
+
+
+def test_a_list_as_text_has_all_parameters_and_computes_no_motion(monkeypatch):
+    def lines(*arguments: str) -> list[str]:
+        done = CliRunner().invoke(app, ["list", *arguments], catch_exceptions=False)
+        return done.stdout.splitlines()
+
+    (billiards,) = json.loads("\n".join(lines("billiards", "--json")))
+    assert billiards["quantities"]
+    monkeypatch.delattr(Canonical, "at")
+    first, *others = lines("billiards")
+    assert first.split(maxsplit=1) == ["billiards", billiards["title"]]
+    names = [line.split()[0] for line in others]
+    assert names == [parameter["name"] for parameter in billiards["parameters"]]
 
 
 def test_a_word_alone_finds_cases_too():

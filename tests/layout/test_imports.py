@@ -53,6 +53,16 @@ def test_listing_the_catalogue_imports_no_engine_no_plotting_and_no_tables() -> 
     )
 
 
+def test_a_campaign_that_is_read_from_the_store_imports_nothing_that_proves_draws_or_runs() -> None:
+    statement = (
+        "from refdem.planning import campaign, moved;"
+        " from refdem.report import is_up_to_date, resolution, unchanged"
+    )
+    brought = loaded(statement)
+    assert "numpy" in brought
+    assert brought.isdisjoint({"flint", "jinja2", "asyncio", "pebble", "distributed"})
+
+
 def test_importing_refdem_reads_at_most_half_as_many_modules_as_numpy() -> None:
     """What an import costs is counted: a clock would tell how busy the machine is."""
     before = modules("pass")

@@ -7,9 +7,9 @@ def test_the_gate_is_open(gates):
 
 def test_a_step_one_per_cent_too_short_closes_it(gates):
     case = "harmonic-oscillator[gravity=0.5]"
-    shorter = "timestep {0.99 * step!r}"
+    shorter = "timestep {0.99 * scene.step!r}"
     gates.assert_closed(
-        "lammps-debian", case, "error/x", "lammps/driver.py", "timestep {step!r}", shorter
+        "lammps-debian", case, "error/x", "lammps/driver.py", "timestep {scene.step!r}", shorter
     )
 
 
