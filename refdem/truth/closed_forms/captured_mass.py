@@ -55,6 +55,7 @@ class CapturedMass(ClosedForm):
     def caught(self) -> Fraction:
         """The time t_c [s] of closest approach."""
         x, y, vx, vy = self.start
+        # t_c = -r0.v0/v0^2.
         return -(x * vx + y * vy) / self.speed2
 
     @cached_property
@@ -71,6 +72,7 @@ class CapturedMass(ClosedForm):
 
     def omega(self) -> arb:
         """Rate of turning [rad/s], positive from x to y: L/(m d^2), d^2 = spin^2/v^2."""
+        # omega = (r0 x v0)/d^2 = v0^2/(r0 x v0).
         return arb_of(self.speed2 / self.spin)
 
     def evaluate(self, t: arb) -> dict[str, arb]:
@@ -106,6 +108,7 @@ class CapturedMass(ClosedForm):
     def growth(self) -> Grows:
         ratio = arb_of(self.scale["x"] / self.scale["vx"])
         rate = abs(self.omega())
+        # omega in scales: |omega| X/V; a turn takes 2 pi/|omega|.
         return CaptureGrowth(self, ratio, rate * ratio, upper(2 * arb.pi() / rate))
 
     def frame(self, since: arb) -> arb_mat:
@@ -122,6 +125,8 @@ class CapturedMass(ClosedForm):
         else:
             side = -1
         sine, cosine = angle.sin_cos()
+        # outward = Rot(omega s) r(t_c)/d; along = +-(outward turned by a right angle), by the sense
+        # of the motion.
         outward = [(x * cosine - y * sine) / distance, (x * sine + y * cosine) / distance]
         along = [-side * outward[1], side * outward[0]]
         zero = arb(0)
@@ -130,6 +135,7 @@ class CapturedMass(ClosedForm):
         return arb_mat(positions + velocities)
 
     def constants(self) -> dict[str, arb]:
+        # inertia = m d^2 = m (r0 x v0)^2/v0^2.
         return {"omega": self.omega(), "inertia": arb_of(self.mass * self.spin**2 / self.speed2)}
 
 
@@ -164,8 +170,12 @@ class CaptureGrowth:
             return bounded(float((1 + arb_of(t) / self.ratio).upper()))
         since = t - caught
         frame = self.motion.frame(arb_of(since))
+        # An error made at s < t_c has at t the answers F(t) C(t - t_c) L(t_c - s) F(t_c)^T, with L
+        # of the straight line; these are the first two factors, `of_flight` adds the others.
         after_capture = frame * self.circle(arb_of(since))
+        # Errors before the capture.
         spans = [Span(Fraction(0), caught, partial(grown, partial(self.of_flight, after_capture)))]
+        # Errors after it, at all times or in the first and in the last turn (see the class).
         answers = partial(grown, partial(self.of_circle, frame, arb_of(since)))
         if since <= 2 * self.turn:
             spans.append(Span(Fraction(0), since, answers))
@@ -185,6 +195,7 @@ class CaptureGrowth:
 
     def straight(self, t: arb) -> arb_mat:
         """Errors of velocity become errors of position in the time t [s]."""
+        # t V/X, the scale of velocities V over that of positions X.
         scaled_t = t / self.ratio
         one = arb(1)
         zero = arb(0)
@@ -207,6 +218,7 @@ class CaptureGrowth:
         scaled_t = t / self.ratio
         one = arb(1)
         zero = arb(0)
+        # sigma = sigma0 + (u - omega rho) t; the error of the outward velocity is -omega sigma.
         row_sigma = [-self.scaled_omega * scaled_t, one, zero, scaled_t]
         row_outward = [-self.scaled_omega * value for value in row_sigma]
         return arb_mat([[one, zero, zero, zero], row_sigma, row_outward, [zero, zero, zero, one]])
@@ -219,6 +231,7 @@ def grown(
 
     Growth is the sum of |answer| over unit errors of all coordinates.
     """
+    # A ball of all times within `half` of `middle`.
     times = arb_of(middle - half).union(arb_of(middle + half))
     return sums_of_rows(answers(arb_of(middle))), sums_of_rows(answers(times))
 
@@ -231,5 +244,6 @@ def sums_of_rows(matrix: arb_mat) -> list[arb]:
 def truth(p: Parameters, scale: Mapping[str, float]) -> Truth:
     """The truth at these parameters (mass, speed, radius)."""
     exact = numbers(p, "mass", "speed", "radius")
+    # r0 = (-2 R, -R), v0 = (v, 0): the line passes the hook at the distance R.
     start = (-RUN_UP * exact["radius"], -exact["radius"], exact["speed"], Fraction(0))
     return CapturedMass(Refiner.of(scale), exact["mass"], start)

@@ -21,6 +21,7 @@ def rank(rows: Sequence[Sequence[Fraction]]) -> int:
     """The rank of a matrix of exact numbers."""
     entries = [[fmpq(x.numerator, x.denominator) for x in row] for row in rows]
     if entries:
+        # The reduced row echelon form is returned with the rank.
         return int(fmpq_mat(entries).rref()[1])
     return 0
 
@@ -36,10 +37,12 @@ def first_order(points: Sequence[Point], rods: Sequence[tuple[int, int]]) -> int
     rows = []
     for a, b in rods:
         difference = [x - y for x, y in zip(points[a], points[b], strict=True)]
+        # d(|r_a - r_b|^2/2) = (r_a - r_b) . (dr_a - dr_b) = 0.
         row = [Fraction(0)] * (dimension * count)
         row[dimension * a : dimension * (a + 1)] = difference
         row[dimension * b : dimension * (b + 1)] = [-x for x in difference]
         rows.append(row)
+    # n points in d dimensions: d n - rank.
     return dimension * count - rank(rows)
 
 
@@ -52,6 +55,8 @@ def finite(points: Sequence[Point]) -> int:
     """
     dimension = len(points[0])
     span = rank([[x - y for x, y in zip(point, points[0], strict=True)] for point in points])
+    # Rotations of d dimensions less those that leave a span of s dimensions at rest:
+    # d (d - 1)/2 - (d - s)(d - s - 1)/2, where the last product counts for s < d.
     turns = {(2, 0): 0, (2, 1): 1, (2, 2): 1, (3, 0): 0, (3, 1): 2, (3, 2): 3, (3, 3): 3}
     return dimension + turns[dimension, span]
 
@@ -74,9 +79,13 @@ def counts(p: Parameters) -> dict[str, int]:
     for n in range(1, 6):
         rows[f"2d-{n}"] = with_all_rods(plane[:n])
         rows[f"3d-{n}"] = with_all_rods(space[:n])
+    # The complete graphs of 4 and 5 points have 6 and 10 rods.
     rows["rods-6-on-4-in-2d"] = with_all_rods(plane[:4])
     rows["rods-10-on-5-in-3d"] = with_all_rods(space)
+    # Two equal rows of constraints have the rank 1: 3 * 2 - 1 = 5.
     rows["rod-twice"] = first_order(space[:2], [(0, 1), (1, 0)])
+    # To first order a rod has no effect on displacements at right angles to it, so that rods in
+    # one plane (or on one line) leave more degrees of freedom than a rigid body has.
     coplanar = [(*point[:2], Fraction(0)) for point in space]
     factors = (Fraction(0), Fraction(1), Fraction(5, 2))
     degenerate: dict[str, Sequence[Point]] = {

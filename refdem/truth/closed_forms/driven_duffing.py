@@ -28,6 +28,7 @@ def infinite_to_either_side(repulsion: Repulsion, y: Sequence[arb]) -> arb | Non
         side = 1
     else:
         side = -1
+    # The equation keeps its form under (x, f0) -> (-x, -f0), and the theorem holds for |f| <= F.
     return repulsion.infinite_within(side * x, side * v)
 
 
@@ -41,16 +42,20 @@ def truth(p: Parameters, scale: Mapping[str, float]) -> Truth:
     def field(y: Sequence[Any]) -> list[Any]:
         """The rates of (x, v, cos w t, sin w t)."""
         x, v, cosine, sine = y
+        # x'' = f0 cos(w t) - 2 delta x' - (alpha + beta x^2) x.
         acceleration = (
             values["f0"] * cosine
             - 2 * values["delta"] * v
             - (values["alpha"] + values["beta"] * (x * x)) * x
         )
+        # (cos w t)' = -w sin w t, (sin w t)' = w cos w t.
         return [v, acceleration, -values["drive"] * sine, values["drive"] * cosine]
 
+    # (x0, v0, cos 0, sin 0).
     start = [values["x0"], values["v0"], Fraction(1), Fraction(0)]
     escape: Escape = never
     if values["beta"] < 0:
+        # z'' = k z^3 - w z - 2 d z' + f with k = -beta, w = alpha, d = delta and |f| <= |f0|.
         repulsion = Repulsion(
             3, -values["beta"], values["alpha"], values["delta"], abs(values["f0"])
         )

@@ -65,9 +65,11 @@ def start_of(p: Mapping[str, Any]) -> list[Fraction]:
     radii = vector(p, "radii")
     spins = vector(p, "spins")
     reach = sum(radii, Fraction(0))
+    # r2 - r1, and below v1 - v2.
     apart = [reach * part for part in (number(p, "distance"), *vector(p, "offset"))]
     closing = [number(p, "closing_speed"), Fraction(0), Fraction(0)]
     total = sum(masses, Fraction(0))
+    # m2/M and m1/M.
     first = masses[1] / total
     second = masses[0] / total
     return [

@@ -61,12 +61,14 @@ class HarmonicOscillator(ClosedForm):
             sine, cosine = (w * elapsed).sin_cos()
             # w in units of V/X, the ratio of the scales.
             scaled_w = w * arb_of(self.scale["x"] / self.scale["v"])
+            # x = x0 cos w t + (v0/w) sin w t, v = -w x0 sin w t + v0 cos w t, each over its scale.
             return arb_mat([[cosine, sine / scaled_w], [-scaled_w * sine, cosine]])
 
         return SteadyGrowth(propagator, Norm([1, 1]), narrow(w), self.constants()["period"])
 
     def constants(self) -> dict[str, arb]:
         """The scalar constants of the motion: the period [s]."""
+        # 2 pi/w = 2 pi sqrt(m/k).
         return {"period": 2 * arb.pi() * arb_of(self.mass / self.stiffness).sqrt()}
 
 

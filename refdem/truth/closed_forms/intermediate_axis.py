@@ -21,6 +21,7 @@ def start(p: Parameters) -> Exact3:
     offset: Any = p["offset"]
     side = int(str(p["direction"])) - 1
     size = root(dot_exact(omega, omega))
+    # omega(0) = omega_body + offset |omega_body| e, with the unit vector e of the axis.
     x, y, z = (w + (offset * size if i == side else 0) for i, w in enumerate(omega))
     return x, y, z
 

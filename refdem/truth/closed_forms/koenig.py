@@ -43,12 +43,15 @@ def exact_values(p: Parameters) -> dict[str, list[Fraction]]:
         "points-energy": [energy_of_all],
         "centre-energy": [energy([total], [drift])],
         "energy-about-centre": [energy(masses, inner)],
+        # E = M V^2/2 + E about the centre: the sum equals the energy of the points.
         "koenig-energy": [energy_of_all],
         "points-momentum": momentum_of_all,
         "centre-momentum": momentum([total], [centre], [drift]),
         "momentum-about-centre": momentum(masses, arms, inner),
+        # L = M R x V + L about the centre.
         "koenig-momentum": momentum_of_all,
         "swept-energy": [turning],
+        # omega . J omega/2 = sum m (omega x r)^2/2.
         "tensor-energy": [turning],
     }
 

@@ -48,6 +48,7 @@ class Means:
         moments = [[self.second[i][j] + arm[i] * arm[j] for j in range(3)] for i in range(3)]
         trace = sum((moments[i][i] for i in range(3)), F(0))
 
+        # (J/m)_ij = tr(M') delta_ij - M'_ij.
         def entry(i: int, j: int) -> Fraction:
             if i == j:
                 return trace - moments[i][j]
@@ -87,11 +88,14 @@ def hollowed(whole: Means, factor: Fraction, *, across: bool = False) -> Means:
     x_i^2, s_i, the mean over what is left is M_ii (1 - p s_i)/(1 - p).
     """
     if across:
+        # A copy scaled by f in x and y has the part f^2 of the volume; x^2 and y^2 scale by f^2.
         part = factor**2
         scale = (factor**2, factor**2, F(1))
     else:
+        # A copy scaled by f in all axes has the part f^3 of the volume, and squares scale by f^2.
         part = factor**3
         scale = (factor**2, factor**2, factor**2)
+    # V M_ii - p V s_i M_ii over (1 - p) V.
     second = [whole.second[i][i] * (1 - part * scale[i]) / (1 - part) for i in range(3)]
     return Means(whole.volume * (1 - part), whole.centre, diagonal(*second), whole.is_round)
 
@@ -110,6 +114,7 @@ def plate_triangle(a: Fraction, b: Fraction, c: Fraction) -> Means:
         mixed = p[i] * q[j] + q[i] * p[j]
         return (squares - mixed) / 36
 
+    # The mean of the corners, and half the base times the height.
     centre = ((a + b) / 3, c / 3, F(0))
     return Means(b * c / 2, centre, matrix(moment))
 
@@ -120,6 +125,8 @@ def angle(a: Fraction, b: Fraction, c: Fraction) -> Means:
     Three quarters of its volume, with the means over three equal blocks a/2 by b/2.
     """
     volume = a * b * c * 3 / 4
+    # Blocks about (a/4, b/4), (3a/4, b/4) and (a/4, 3b/4): the mean of x is 5 a/12, and with
+    # (a/2)^2/12 of each block M_xx = a^2 (1/48 + 1/18) = 11 a^2/144, M_xy = -a b/36.
     centre = (a * 5 / 12, b * 5 / 12, c / 2)
     second = diagonal(a * a * 11 / 144, b * b * 11 / 144, c * c / 12, xy=-a * b / 36)
     return Means(volume, centre, second)
@@ -132,6 +139,7 @@ def ellipsoid(a: Fraction, b: Fraction, c: Fraction) -> Means:
 
 def cylinder(a: Fraction, b: Fraction, c: Fraction) -> Means:
     """An elliptical cylinder with half-axes a, b and height c, about the origin."""
+    # pi a b c; <x^2> = a^2/4 over an ellipse, <z^2> = c^2/12 over the height.
     return Means(a * b * c, (F(0),) * 3, diagonal(a * a / 4, b * b / 4, c * c / 12), True)
 
 
@@ -201,7 +209,9 @@ def points(a: Fraction, b: Fraction, c: Fraction) -> Means:
         for i in range(4)
         for j in range(i)
     ]
+    # sum m (r - c)(r - c)^T/M = (1/M^2) sum over pairs m_i m_j d d^T, d = r_i - r_j, M = 10.
     second = matrix(lambda i, j: sum((m * d[i] * d[j] for m, d in pairs), F(0)) / 100)
+    # c = sum m r/10: x = (2 + 3 + 4) a/10, y = (3 + 4) b/10, z = 4 c/10.
     return Means(F(10), (a * 9 / 10, b * 7 / 10, c * 4 / 10), second)
 
 
@@ -231,6 +241,7 @@ def turned(means: Means, q: tuple[Fraction, ...]) -> Means:
         total = F(0)
         for k in range(3):
             for m in range(3):
+                # (R M R^T)_ij = sum R_ik M_km R_jm; `columns[k][i]` is R_ik.
                 total += columns[k][i] * means.second[k][m] * columns[m][j]
         return total
 
@@ -267,6 +278,7 @@ def values(p: Parameters) -> dict[str, arb]:
         if name == "points":
             # The volume of the point masses is their mass.
             density = F(1)
+        # m = rho V, J = m (J/m).
         mass = arb_of(density * means.volume)
         if means.is_round:
             mass = mass * arb.pi()

@@ -61,6 +61,7 @@ class MeetInLine:
 
     def normal(self, places: Sequence[Sequence[Any]]) -> list[Any]:
         """The unit vector (3,) from centre to centre: errors along the line do not change it."""
+        # 0 and 1 in numbers of the kind of the places.
         zero = places[0][0] * 0
         return [zero + 1, zero, zero]
 
@@ -82,6 +83,7 @@ class Cradle:
         for k in range(len(moments)):
             lost += motion.energy_lost(k)
         return {
+            # Impacts of different pairs at one time are one moment and count one by one.
             "impacts": arb(sum(len(moment.encounters) for moment in moments)),
             "last_impact_time": arb_of(moments[-1].time),
             "energy_lost": lost,
@@ -109,6 +111,7 @@ def start_of(p: Mapping[str, Any]) -> list[Fraction]:
     start: list[Fraction] = []
     for k in range(count):
         if k > 0:
+            # x_k = x_(k-1) + R_(k-1) + g_(k-1) + R_k.
             place += radii[k - 1] + gaps[k - 1] + radii[k]
         start += [place, *nothing, velocities[k], *nothing, *spin]
     return start
@@ -178,6 +181,7 @@ def _course(values: tuple[Any, ...]) -> Course:
         assert isinstance(moment.time, Fraction)
         times.append(moment.time)
         speeds += [abs(state.v[0]) for state in moment.parted]
+        # The time between two impacts of one ball.
         for body in [body for encounter in moment.encounters for body in encounter.bodies]:
             if body in last_impact:
                 waits.append(moment.time - last_impact[body])
@@ -201,5 +205,6 @@ def truth(p: Parameters, scale: Mapping[str, Size]) -> Truth:
     count = len(impacts.start) // OF_BODY
     coordinates = []
     for body in range(count):
+        # x and v_x of a body in (r, v, omega).
         coordinates += [OF_BODY * body, OF_BODY * body + 3]
     return ImpactSequence.of(scale, impacts, coordinates, Cradle())

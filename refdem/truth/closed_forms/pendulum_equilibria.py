@@ -58,6 +58,7 @@ class PendulumEquilibria(ClosedForm):
         quantities = pendulum.evaluate(t)
         length = arb_of(pendulum.length)
         if isinstance(pendulum.motion(), Equilibrium):
+            # theta = pi: y = l; theta = 0: y = -l.
             if pendulum.half_turns:
                 height = length
             else:
@@ -72,6 +73,7 @@ class PendulumEquilibria(ClosedForm):
     def seen(self, y: Sequence[Any]) -> dict[str, Any]:
         """The quantities of a state, by the operations of a traced field."""
         theta, thetadot = y
+        # x = l sin theta, y = -l cos theta, vx = l theta' cos theta, vy = l theta' sin theta.
         l_sine = theta.sin() * self.pendulum.length
         l_cosine = theta.cos() * self.pendulum.length
         return {

@@ -54,6 +54,7 @@ class Sectioned:
         belt = self.oscillator.belt
         modes = self.oscillator.modes()
         field = self.oscillator.slipping(-1)
+        # A guard is positive inside its mode: v = u + b > 0, and -v > 0 in the retreat.
         falls = Guard(
             PASSAGE,
             lambda y: y[SLIP] + belt,
@@ -124,6 +125,7 @@ class Sections(ClosedForm):
         rows = {}
         for n in range(1, STROBES + 1):
             state = motion.at(self.strobe_time(n))
+            # x and v = u + b.
             rows[f"strobe-{n}"] = [state[PLACE], state[SLIP] + arb_of(self.oscillator.belt)]
         for n, event in enumerate(self.passages(motion), start=1):
             rows[f"passage-{n}"] = [event.time, event.state[PLACE]]
@@ -177,9 +179,11 @@ class Sections(ClosedForm):
         grown = arb(self.flow.sensitivity(Fraction(latest)))
         factor = arb(1)
         for n, event in enumerate(passages, start=1):
+            # At v = 0: v' = gamma cos(eta t) - x.
             drive = arb_of(self.oscillator.gamma) * (arb_of(self.oscillator.eta) * event.time).cos()
             rate = abs(drive - event.state[PLACE])
             size = arb_of(self.scale[f"passage-{n}.0"])
+            # (V/T)/|v'|.
             shift = arb_of(self.of_motion["v"]) / (rate * size)
             factor = factor.max(shift)
         largest = grown * factor

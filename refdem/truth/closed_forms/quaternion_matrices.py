@@ -18,6 +18,7 @@ from refdem.truth.complex_balls import Complex, ComplexMatrix
 
 def matrix_of(w: arb, x: arb, y: arb, z: arb) -> ComplexMatrix:
     """The complex 2 x 2 matrix of the quaternion (w, x, y, z)."""
+    # Complex(real part, imaginary part): [[w - i z, -y - i x], [y - i x, w + i z]].
     return ComplexMatrix.of([[Complex(w, -z), Complex(-y, -x)], [Complex(y, -x), Complex(w, z)]])
 
 
@@ -42,9 +43,11 @@ def numbers_of(m: ComplexMatrix) -> list[arb]:
 
 def conjugated(m: ComplexMatrix) -> ComplexMatrix:
     """The matrix of the conjugate quaternion: the conjugate transpose."""
+    # With q* = (w, -x, -y, -z): M(q*) = M(q)^H.
     return m.adjoint()
 
 
 def absolute(m: ComplexMatrix) -> arb:
     """|q|: the square root of the determinant."""
+    # det M(q) = (w - i z)(w + i z) + (y + i x)(y - i x) = w^2 + x^2 + y^2 + z^2.
     return m.determinant().real.sqrt()

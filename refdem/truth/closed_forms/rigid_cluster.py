@@ -119,6 +119,7 @@ class AboutAxis(FreeBody):
 
     def omega(self, t: arb) -> list[arb]:
         """omega in body axes turns about e by -rate t."""
+        # omega_body(t) = exp(-rate t e) omega_body(0).
         back = rotation.matrix(rotation.turn(self.e, -self.rate * t))
         return rotation.applied(back, self.start)
 
@@ -138,6 +139,7 @@ class AboutAxis(FreeBody):
 
     def lead(self, t: arb) -> arb:
         """The lead of a steady rotation per time (free_body.steady_lead), times t."""
+        # |omega|^2.
         square = rotation.dot(self.start, self.start)
         return steady_lead(self.along, self.twice_energy, self.length, square) * t
 
@@ -183,6 +185,7 @@ class RigidCluster(ClosedForm):
     @cached_property
     def centre(self) -> list[Fraction]:
         """The centre of mass of the points [m]."""
+        # c = sum m r/sum m.
         total_mass = sum(self.masses, Fraction(0))
         return [dot_exact(self.masses, [r[i] for r in self.places]) / total_mass for i in AXES]
 
@@ -228,6 +231,7 @@ class RigidCluster(ClosedForm):
         minor_x = b[1] * c[2] - b[2] * c[1]
         determinant = dot_exact(a, cross(b, c))
         coefficients = [-determinant, minor_z + minor_y + minor_x, -trace, Fraction(1)]
+        # Multiplied by a common denominator, the coefficients are whole.
         common = lcm(*(x.denominator for x in coefficients))
         roots: Any = fmpz_poly([int(x * common) for x in coefficients]).complex_roots()
         moments = [(root.real, multiplicity) for root, multiplicity in roots]
@@ -253,6 +257,7 @@ class RigidCluster(ClosedForm):
         """
         if len(self.moments()) < 3:
             return [[arb(int(i == j)) for j in AXES] for i in AXES]
+        # The third axis is first x second, so that the three are right-handed.
         first, second = (self.axis(moment) for moment, _ in self.moments()[:2])
         return [first, second, rotation.cross(first, second)]
 
@@ -260,6 +265,7 @@ class RigidCluster(ClosedForm):
     def is_steady(self) -> bool:
         """True if L is parallel to omega, without the shift: the cluster turns steadily."""
         momentum = [dot_exact(row, self.omega) for row in self.tensor]
+        # L x omega = (J omega) x omega = 0.
         return not any(cross(momentum, self.omega))
 
     @per_precision
@@ -279,6 +285,7 @@ class RigidCluster(ClosedForm):
             omega_body = [w if i == steady_axis else arb(0) for i, w in enumerate(omega_body)]
         shifted: Any = tuple(w + arb_of(s) for w, s in zip(omega_body, self.shift, strict=True))
         start = Principal.of(moments, shifted)
+        # The rotation stays steady if only the component along its axis is displaced.
         shift_across = [s for i, s in enumerate(self.shift) if i != steady_axis]
         if steady_axis is not None and not any(shift_across):
             return Steady(start)
@@ -301,6 +308,7 @@ class RigidCluster(ClosedForm):
     def _steady_axis(self, moments: Sequence[arb]) -> int:
         """The principal axis along which omega lies: that of the moment 2 E/omega^2."""
         momentum = [dot_exact(row, self.omega) for row in self.tensor]
+        # 2 E/omega^2 = L . omega/omega . omega.
         moment = dot_exact(momentum, self.omega) / dot_exact(self.omega, self.omega)
         return min(AXES, key=lambda i: abs(float(moments[i].mid()) - float(moment)))
 
@@ -312,6 +320,7 @@ class RigidCluster(ClosedForm):
         if any(self.shift):
             return False
         momentum = [dot_exact(row, self.omega) for row in self.tensor]
+        # L^2/(2 E) = L . L/(L . omega).
         ratio = dot_exact(momentum, momentum) / dot_exact(momentum, self.omega)
         return self.characteristic(ratio) == 0 and middle_moment.contains(arb_of(ratio).mid())
 
@@ -321,12 +330,14 @@ class RigidCluster(ClosedForm):
         for i in AXES:
             rows[i][i] -= value
         a, b, c = rows
+        # det = a . (b x c).
         determinant: Fraction = dot_exact(a, cross(b, c))
         return determinant
 
     @per_precision
     def start(self) -> list[arb]:
         """The quaternion from `axes` to space at t = 0."""
+        # The axes are the rows of the matrix from space to `axes`; its transpose is the inverse.
         return rotation.quaternion(rotation.transposed(self.axes()))
 
     def spin(self, t: arb) -> list[arb]:
@@ -401,6 +412,7 @@ def places_of(
     r = rotation.matrix(turn)
     places: dict[str, arb] = {}
     for number, arm in enumerate(arms):
+        # r_i = c + R a_i.
         turned_arm = rotation.applied(r, [arb_of(x) for x in arm])
         for axis, c, x in zip("xyz", centre, turned_arm, strict=True):
             places[f"r{number + 1}.{axis}"] = arb_of(c) + x
@@ -412,6 +424,7 @@ def inverse_of(tensor: Sequence[Sequence[Fraction]]) -> list[list[Fraction]]:
     determinant.
     """
     a, b, c = tensor
+    # (b x c, c x a, a x b)/(a . b x c): columns of the inverse, and rows of it by symmetry.
     determinant = dot_exact(a, cross(b, c))
     return [[x / determinant for x in row] for row in (cross(b, c), cross(c, a), cross(a, b))]
 
@@ -421,6 +434,7 @@ def inertia_tensor(
 ) -> list[list[Fraction]]:
     """J_ij = sum m (r^2 delta_ij - r_i r_j) [kg m^2] of points at the arms r [m], exact."""
     points = list(zip(masses, arms, strict=True))
+    # sum m r^2, which is added on the diagonal.
     trace_term = sum((m * dot_exact(r, r) for m, r in points), Fraction(0))
     tensor = [[-sum((m * r[i] * r[j] for m, r in points), Fraction(0)) for j in AXES] for i in AXES]
     for i in AXES:

@@ -60,6 +60,7 @@ class SpinningSpheres(Collision):
 
     def at_touch(self) -> dict[str, arb]:
         """The 18 quantities at touch."""
+        # The centres and the relative velocity at t = 0 are in the plane z = 0.
         x, y, vx, vy = self.spheres.start()
         return self.quantities([x, y, arb(0), vx, vy, arb(0), *map(arb_of, self.spheres.spins)])
 
@@ -67,6 +68,7 @@ class SpinningSpheres(Collision):
         """The units of r, v, o1, o2 [m, m/s, 1/s]."""
         length = self.phases.length
         speed = self.phases.speed
+        # The unit V/R_i of a spin is a surface speed of V.
         turns = [speed / radius for radius in self.spheres.radii]
         return [unit for unit in (length, speed, *turns) for _ in range(3)]
 

@@ -23,6 +23,7 @@ def values(p: Parameters, rotation: Sequence[arb]) -> dict[str, list[arb]]:
 def moments(p: Parameters) -> list[Fraction]:
     """The principal moments of the body: the sum of the two masses off each axis, at distance 1."""
     first, second, third = vector(p, "masses")
+    # J_i = sum over the masses off axis i of m_j.
     return [second + third, first + third, first + second]
 
 
@@ -35,6 +36,7 @@ def spin(p: Parameters) -> dict[str, list[arb]]:
     return {
         "spin-energy": [energy],
         "spin-momentum": [2 * arb.pi() * frequency * inertia],
+        # L^2/(2 J) = J omega^2/2.
         "momentum-energy": [energy],
     }
 
@@ -45,12 +47,15 @@ def tensor(p: Parameters, rotation: Sequence[arb]) -> dict[str, list[arb]]:
     inertia = [arb_of(moment) for moment in exact]
     omega = [arb_of(x) for x in vector(p, "omega")]
     axes = range(3)
+    # (R J)_ij = R_ij J_j, as J is diagonal.
     half = [rotation[3 * i + j] * inertia[j] for i in axes for j in axes]
     whole = []
     for i in axes:
         for j in axes:
+            # (R J R^T)_ij = sum_k (R J)_ik R_jk.
             entries = (half[3 * i + k] * rotation[3 * j + k] for k in axes)
             whole.append(sum(entries, arb(0)))
+    # L = R J R^T omega.
     momentum = [sum((whole[3 * i + j] * omega[j] for j in axes), arb(0)) for i in axes]
     return {
         "half-turned-tensor": half,
@@ -68,6 +73,7 @@ def triangle(p: Parameters) -> dict[str, list[arb]]:
     zero = Fraction(0)
     along = sum((x * y for x, y in zip(corner, base, strict=True)), zero)
     base_square = sum((x * x for x in base), zero)
+    # a - (a . b) b/b^2.
     rejection = [x - along * y / base_square for x, y in zip(corner, base, strict=True)]
     crossed = cross(corner, base)
     height = arb_of(sum((x * x for x in rejection), zero)).sqrt()
@@ -77,5 +83,6 @@ def triangle(p: Parameters) -> dict[str, list[arb]]:
         "corner-by-base": [arb_of(x) for x in crossed],
         "twice-area": [arb_of(sum((x * x for x in crossed), zero)).sqrt()],
         "base": [arb_of(base_square).sqrt()],
+        # |a x b|/|b|, twice the area over the base, equals the height.
         "height-by-area": [height],
     }

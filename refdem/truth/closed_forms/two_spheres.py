@@ -91,6 +91,7 @@ class TwoSpheres(Collision):
 
     def evaluate(self, t: arb) -> dict[str, arb]:
         """The 18 quantities at touch, or of a head-on contact."""
+        # omega1.z and omega2.z: spins are (omega1, omega2), three components each.
         spins = [arb_of(self.spheres.spins[axis]) for axis in (2, 5)]
         if t == 0:
             relative = self.spheres.start()
@@ -103,6 +104,7 @@ class TwoSpheres(Collision):
 
     def units(self) -> list[Fraction]:
         """The units of x, y, vx, vy and of both spins [m, m/s, 1/s]."""
+        # The unit V/R_i of a spin is a surface speed of V.
         spin_units = [self.phases.speed / radius for radius in self.spheres.radii]
         return [self.phases.length] * 2 + [self.phases.speed] * 2 + spin_units
 

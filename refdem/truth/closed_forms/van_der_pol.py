@@ -27,15 +27,18 @@ def truth(p: Parameters, scale: Mapping[str, float]) -> Truth:
     def field(y: Sequence[Any]) -> list[Any]:
         """The rates of (x, v), and of (sin w t, cos w t) where a drive acts."""
         x, v, *phase = y
+        # x'' = mu (1 - x^2) x' - x + p sin(w t).
         acceleration = values["mu"] * (1 - x * x) * v - x
         if not phase:
             return [v, acceleration]
         sine, cosine = phase
         driven = acceleration + values["p"] * sine
+        # (sin w t)' = w cos w t, (cos w t)' = -w sin w t.
         return [v, driven, values["drive"] * cosine, -values["drive"] * sine]
 
     start = [values["x0"], values["v0"]]
     if values["p"]:
+        # sin 0 and cos 0.
         start += [Fraction(0), Fraction(1)]
     return ValidatedFlow(
         field,

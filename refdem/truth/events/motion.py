@@ -72,6 +72,7 @@ class Followed(Guarded):
         """Balls of the state at the time t [s]."""
         phase = self.phase(t)
         with precision(self.bits + GUARD):
+            # Times of a phase count from each motion's own entry: t - c.
             return phase.at(t - phase.entered[-1])
 
     def jacobian(self, t: arb) -> arb_mat:
@@ -79,6 +80,7 @@ class Followed(Guarded):
         phase = self.phase(t)
         with precision(self.bits + GUARD):
             since = t - phase.entered[-1]
+            # (1 - f e^T) V, with the flow Jacobian V since the start at each motion's own time.
             return at_fixed_time(phase, phase.at(since)) * phase.jacobian(since)
 
     def phase(self, t: arb) -> Phase:
@@ -133,6 +135,7 @@ class Followed(Guarded):
         phase = self.phases[-1]
         if phase.stopped is None:
             return False
+        # True where t is later than every time in the ball of the sum.
         return bool(t > phase.entered[-1] + phase.stopped)
 
     def stop(self) -> SwitchError:
@@ -151,6 +154,7 @@ class Followed(Guarded):
             return False
         if phase.ends is not None:
             return not t < self.end_of(len(self.phases) - 1)
+        # No guard has a zero up to `searched`, a time since the entry.
         return not arb_of(phase.searched) > t - phase.entered[-1]
 
     def end_of(self, index: int) -> arb:
