@@ -170,16 +170,19 @@ class AsymmetricField(ClosedForm):
         eta = start.x - self.x2
         width = self.x2
         w = arb_of(self.fall).sqrt()
+        # R^2 = eta0^2 + v0^2/w^2.
         radius_square = eta * eta + start.square / self.fall
         if radius_square == 0:
             return None
         delta = self.lag(eta, start)
         if start.sense < 0 and radius_square > width * width:
             phase_at_top = (arb_of(-width) / arb_of(radius_square).sqrt()).acos()
+            # v^2 = w^2 (R^2 - x2^2) at the top.
             next_start = Start(Fraction(0), self.fall * (radius_square - width * width), -1)
             return (phase_at_top - delta) / w, "rising", next_start
         if start.sense < 0 and radius_square == width * width:
             raise UndecidedError("it turns exactly where the flanks meet")
+        # v^2 = w^2 R^2 at eta = 0.
         next_start = Start(self.x2, self.fall * radius_square, 1)
         return (3 * arb.pi() / 2 - delta) / w, "right", next_start
 
@@ -258,6 +261,7 @@ class AsymmetricField(ClosedForm):
         """The work -k1 x1 (x2 - x1)/2 [J] of the force from x1 to x2: the area of a triangle."""
         x1 = self.x1
         x2 = self.x2
+        # The largest force is -k1 x1, at x = 0; the base of the triangle is x2 - x1.
         return {"work": arb_of(self.k1 * -x1 * (x2 - x1) / 2)}
 
 

@@ -101,6 +101,7 @@ def tip_square(p: Parameters) -> arb:
     values = numbers(p, "alpha", "beta", "delta", "f0")
     force = plain(values["f0"]) ** 2
     damping = plain(values["delta"]) ** 2
+    # a S^2 - b S + c = 0 with a = 4 delta^2 (-h), b = 4 delta^2 (alpha - delta^2), c = f0^2.
     softening = -plain(values["beta"]) * Fraction(3, 4)
     linear = 4 * damping * (plain(values["alpha"]) - damping)
     discriminant = linear**2 - 16 * damping * softening * force
@@ -117,9 +118,11 @@ def moving_root(root: arb, coefficients: Sequence[Fraction]) -> arb:
     powers = [arb(1)]
     for _ in coefficients[1:]:
         powers.append(powers[-1] * root)
+    # P'(S) = sum k c_k S^(k-1).
     slope = arb(0)
     for k, coefficient in enumerate(coefficients[1:], start=1):
         slope += k * arb_of(plain(coefficient)) * powers[k - 1]
+    # dS = -sum (S^k/P'(S)) dc_k.
     changes = [
         (-power / slope, arb_of(coefficient))
         for power, coefficient in zip(powers, coefficients, strict=True)
@@ -132,6 +135,7 @@ def fold(p: Parameters, s: arb) -> list[arb]:
     values = numbers(p, "alpha", "beta", "f0")
     h = arb_of(values["beta"] * 3 / 4)
     square = arb_of(values["f0"] ** 2)
+    # w^2 = alpha + h S + f0^2/(2 h S^2).
     drive_square = arb_of(values["alpha"]) + h * s + square / (2 * h * s * s)
     if not drive_square > 0:
         raise NotCertifiedError("the resonance leans down to drives that are not real")
@@ -146,6 +150,7 @@ def drives(p: Parameters) -> list[arb]:
     amplitude = values["amplitude"]
     damping = values["delta"] ** 2
     k = values["alpha"] + values["beta"] * amplitude**2 * 3 / 4
+    # sqrt(f0^2/A^2 - 4 delta^2 (k - delta^2)) and k - 2 delta^2.
     root = arb_of((values["f0"] / amplitude) ** 2 - 4 * damping * (k - damping)).sqrt()
     middle = arb_of(k - 2 * damping)
     return [(middle - root).sqrt(), (middle + root).sqrt()]
@@ -158,8 +163,10 @@ def eta_of(v: arb) -> arb:
 
 def doublings() -> dict[str, list[arb]]:
     """The parameters eta at which cycles of one, two and four iterates double."""
+    # The larger real root, v = -5.47: the doubling of the cycle that is born at v = -5.
     stable = real_roots(DOUBLING_OF_4)[-1]
     return {
+        # eta = 1 + sqrt(1 - v) at v = -3, at v = -5, and at the root.
         "doubling-of-1": [arb(3)],
         "doubling-of-2": [1 + arb(6).sqrt()],
         "doubling-of-4": [eta_of(stable)],
@@ -169,6 +176,7 @@ def doublings() -> dict[str, list[arb]]:
 def two_cycle(p: Parameters) -> list[arb]:
     """The cycle of two iterates, (eta + 1 +- sqrt((eta - 3)(eta + 1)))/(2 eta)."""
     eta = numbers(p, "eta")["eta"]
+    # (eta + 1 +- sqrt((eta - 3)(eta + 1)))/(2 eta).
     root = arb_of((eta - 3) * (eta + 1)).sqrt()
     return [(arb_of(eta + 1) + sign * root) / arb_of(2 * eta) for sign in (1, -1)]
 

@@ -128,9 +128,11 @@ def centres(p: Mapping[str, Any]) -> list[tuple[Fraction, Fraction]]:
     cue_radius, radius = vector(p, "radii")
     reach = cue_radius + radius
     pitch = 2 * radius + number(p, "gap")
+    # The cue ball is given in units of the sum of both radii.
     places = [(-number(p, "distance") * reach, number(p, "offset") * reach)]
     for row in range(int(number(p, "rows"))):
         for ball in range(row + 1):
+            # x = 7/8 k s,  y = (j - k/2) s.
             across = ball - Fraction(row, 2)
             places.append((ROW_PITCH * row * pitch, across * pitch))
     return places
@@ -217,6 +219,7 @@ def _course(values: tuple[Any, ...]) -> Course:
         time = float(arb_of(moment.time).mid())
         bodies = moment.encounters[0].bodies
         times.append(time)
+        # A ball without an earlier impact has waited for an infinite time.
         waits.append(min(time - last_impact.get(body, -inf) for body in bodies))
         last_impact.update(dict.fromkeys(bodies, time))
     return Course(tuple(times), tuple(waits))

@@ -59,6 +59,7 @@ class Slide(ClosedForm):
             # cos = 1/sqrt(1 + tan^2), sin = tan cos.
             cosine = 1 / arb_of(1 + self.slope**2).sqrt()
             sine = arb_of(self.slope) * cosine
+        # a = g (sin - mu cos).
         a = arb_of(self.gravity) * (sine - arb_of(self.friction) * cosine)
         v0 = arb_of(self.v0)
         return {"s": arb_of(self.s0) + v0 * t + a * t * t / 2, "v": v0 + a * t}

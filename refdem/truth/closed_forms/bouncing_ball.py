@@ -107,6 +107,7 @@ class Bounces:
     def refuse_unlisted(self, motion: ImpactSequence, t: arb) -> None:
         """Raises UndecidedError where the bounce after the last one of the list is not after t."""
         moment = motion.moment_number(motion.impacts.most - 1)
+        # The time of the last impact plus that of the flight after it.
         following = moment.time + self.floor.time(moment.parted)
         if not t < arb_of(following):
             raise UndecidedError(
@@ -121,6 +122,7 @@ def accumulation_time(impacts: Impacts, floor: MeetsFloor, restitution: Fraction
     """T = t_1 + 2 e v_1/((1 - e) g) [s], exactly, for e < 1."""
     first = impacts.number(0)
     assert first is not None
+    # The speed v_1 before the first impact, and its time t_1.
     falling: Number = -first.states[0].v[1]
     begin: Number = first.time
     # T = t_1 + v_1 2 e/((1 - e) g)
@@ -142,6 +144,7 @@ def impact_list(p: Mapping[str, Any], most: int) -> ImpactList:
     encounter = Encounter((0,), impact_of([body], law_of(p)), floor_of(p))
     nothing = Fraction(0)
     start = [
+        # (r, v, omega): the height is that of the lowest point, a radius below the centre.
         *(nothing, number(p, "height") + body.radius, nothing),
         *(*vector(p, "velocity"), nothing),
         *(nothing, nothing, number(p, "spin")),

@@ -58,6 +58,7 @@ class Box:
         """p and d [m]: the lowest corner is at (p, -d) from the centre."""
         half_a, half_b = (arb_of(side / 2) for side in self.sides)
         sine, cosine = angle.sin_cos()
+        # d = (a sin theta + b cos theta)/2, p = -d'(theta).
         return half_b * sine - half_a * cosine, half_a * sine + half_b * cosine
 
     def corners(self, angle: arb) -> Iterator[tuple[arb, arb]]:
@@ -67,6 +68,7 @@ class Box:
         for i, j in ((-1, 1), (1, -1), (1, 1)):
             along = i * half_a
             across = j * half_b
+            # (i a/2, j b/2) turned by theta; (-1, -1) is the lowest corner.
             yield along * cosine - across * sine, along * sine + across * cosine
 
 
@@ -138,6 +140,7 @@ class CornerImpact(ClosedForm):
         """
         start = self.starts()
         _, d = self.body.arm(start[THETA])
+        # y + vy t = d for a constant d.
         middle = (d - start[Y]) / start[VY]
         if self.begin[OMEGA] == 0:
             return middle
@@ -188,6 +191,8 @@ class CornerImpact(ClosedForm):
         if rise > 0:
             # After this time y > R: no corner can reach the plane.
             until = since.min((radius - y) / rise)
+        # Each bound is concave in s, or linear, and at least 0 at s = 0: if it is positive at the
+        # end, it is positive all the time.
         bend = radius * omega * omega / 2
         # Height of the corner that touched, over s: at least e c - R omega^2 s/2. Those of the
         # others: at least y + z + (vy + omega q) s - R omega^2 s^2/2.
@@ -203,6 +208,7 @@ class CornerImpact(ClosedForm):
         """
         touch = self.touch()
         e = self.body.restitution
+        # (1 - e^2) c^2/(2 (1/m + p^2/I)).
         lost = arb_of(1 - e * e) * touch.closing * touch.closing / (2 * self.ease(touch.p))
         return {
             "impact_time": touch.time,
@@ -247,12 +253,14 @@ class CornerImpact(ClosedForm):
         of_impulse = [arb(0)] * 6
         of_impulse[VY] = -factor / ease
         of_impulse[OMEGA] = -factor * touch.p / ease
+        # d(1/m + p^2/I)/dtheta = 2 p d/I, as dp/dtheta = d.
         of_ease = 2 * touch.p * touch.d / inertia
         of_impulse[THETA] = -factor * omega * touch.d / ease - touch.impulse * of_ease / ease
         across = unit_matrix(6)
         for k in range(6):
             across[VY, k] += of_impulse[k] / mass
             across[OMEGA, k] += touch.p * of_impulse[k] / inertia
+        # omega += p J/I: the part of dp = d dtheta.
         across[OMEGA, THETA] += touch.d * touch.impulse / inertia
         # dt = (dy + p dtheta)/c.
         later = arb_mat(1, 6)
@@ -260,6 +268,7 @@ class CornerImpact(ClosedForm):
         later[0, THETA] = touch.p / touch.closing
         rate_before = column(touch.before)
         rate_after = column(touch.after)
+        # DP (1 + f- dt) - f+ dt.
         return across * (unit_matrix(6) + rate_before * later) - rate_after * later
 
 

@@ -101,6 +101,7 @@ class CoulombOscillator(ClosedForm):
             "stop_time": self.turning_time(halves),
             "stop_position": _ball(self.turning_point(halves)),
         }
+        # The first turning point counts if it comes after the start, that is, for v0 != 0.
         return {**stop, "half_cycles": arb(halves + (self.v0 != 0))}
 
     def rate(self) -> arb:
@@ -130,12 +131,14 @@ class CoulombOscillator(ClosedForm):
     def turning_time(self, number: int) -> arb:
         """The time [s] of turning point `number`, counted from 0."""
         first: arb = self.opening()[0]
+        # T_n = T_0 + n pi/w.
         return first + number * arb.pi() / self.rate()
 
     def turning_point(self, number: int) -> Fraction | arb:
         """Turning point `number` n [m], from 0 on: (-1)^n (X0 - 2 n f/k sgn X0)."""
         first: Fraction | arb = self.opening()[1]
         if number:
+            # X_n = (-1)^n (X0 - 2 n (f/k) sgn X0).
             loss = 2 * number * self.shift * _sign(first)
         else:
             loss = Fraction(0)
@@ -155,6 +158,7 @@ class CoulombOscillator(ClosedForm):
         """
         first: Fraction | arb = self.opening()[1]
         if isinstance(first, Fraction):
+            # n >= (|X0| k/f - 1)/2.
             return max(0, ceil((abs(first) / self.shift - 1) / 2))
         least = ((abs(first) / arb_of(self.shift) - 1) / 2).ceil().unique_fmpz()
         if least is None:
@@ -163,6 +167,7 @@ class CoulombOscillator(ClosedForm):
 
     def _halves_until(self, t: arb) -> int:
         """The number of completed half cycles at t; raises UndecidedError if it is not decided."""
+        # floor(w (t - T0)/pi).
         number = ((t - self.turning_time(0)) * self.rate() / arb.pi()).floor().unique_fmpz()
         if number is None:
             raise UndecidedError("which half cycle it is in")

@@ -55,14 +55,17 @@ def final_axis(
         # 2 E = sum J w^2 and L^2 = sum (J w)^2; about the middle axis 2 E J2 = L^2.
         double_energy = sum((w * w * arb_of(j) for w, j in pairs), arb(0))
         momentum_square = sum((w * w * arb_of(j**2) for w, j in pairs), arb(0))
+        # 2 E < L^2/J2.
         if double_energy * arb_of(middle) < momentum_square:
             return {"final_axis": arb(order[2] + 1)}
+        # The first time is 0, the second `first_time`, and each later one twice the one before.
         t = 2 * t or first_time(omega, inertia)
     return {}
 
 
 def first_time(omega: Sequence[Fraction], inertia: Sequence[Fraction]) -> Fraction:
     """About a quarter of the time of a turn by 1 rad [s]: min J over the sum of |J w|, over 4."""
+    # |L| <= sum |J_i w_i|, and a rate of turning is at most |L|/min J.
     momentum = sum(j * abs(w) for w, j in zip(omega, inertia, strict=True))
     return Fraction(1, 4) / momentum * min(inertia)
 

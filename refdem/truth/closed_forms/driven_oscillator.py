@@ -107,6 +107,7 @@ class DrivenOscillator(ClosedForm):
         a = arb_of(self.square - self.drive**2)
         b = arb_of(2 * self.delta * self.drive)
         norm_square = a * a + b * b
+        # x = f0 (a cos w t + b sin w t)/(a^2 + b^2) and its derivative.
         x = f0 * (a * cosine + b * sine) / norm_square
         v = f0 * w * (b * cosine - a * sine) / norm_square
         return x, v
@@ -141,9 +142,11 @@ class DrivenOscillator(ClosedForm):
             """The matrix that maps errors of (x, v) in scales to those after a time [s]."""
             x_by_x, v_by_x = self.free(one, zero, elapsed)
             x_by_v, v_by_v = self.free(zero, one, elapsed)
+            # In scales: x by v0 times V/X, v by x0 times X/V; `ratio` is X/V.
             return arb_mat([[x_by_x, x_by_v / ratio], [v_by_x * ratio, v_by_v]])
 
         if self.gap > 0:
+            # After 2 pi/D the flow is exp(-delta t) times the identity.
             period = 2 * arb.pi() / arb_of(self.gap).sqrt()
         else:
             period = None
@@ -164,6 +167,7 @@ class DrivenOscillator(ClosedForm):
             return {}
         a = self.square - self.drive**2
         b = 2 * self.delta * self.drive
+        # |A| = |f0|/sqrt(a^2 + b^2), a = w0^2 - w^2, b = 2 delta w.
         return {"steady_amplitude": arb_of(abs(self.f0)) / arb_of(a**2 + b**2).sqrt()}
 
 

@@ -205,6 +205,7 @@ class Duffing(ClosedForm):
         """
         if self.alpha + self.beta * self.amplitude**2 != 0:
             return rates_from_rest(self, t)
+        # d = sin(w t)/w for alpha < 0, sinh(w t)/w for alpha > 0, with w^2 = 2 |alpha|.
         w = arb_of(2 * abs(self.alpha)).sqrt()
         u = w * arb_of(t)
         if self.alpha < 0:
@@ -220,6 +221,7 @@ class Duffing(ClosedForm):
 
         def field(y: Sequence[Any]) -> list[Any]:
             x, v = y
+            # v' = -(alpha + beta x^2) x.
             return [v, -(x * x * self.beta + self.alpha) * x]
 
         start = [self.amplitude, Fraction(0)]
@@ -277,11 +279,15 @@ class Duffing(ClosedForm):
         # kappa = (u/m - E(u)/(m m1))/2 with E' = dn^2.
         kappa_slope = (1 / m - dn * dn / (m * m1)) / 2
         slope_by_m = change_slope + kappa_slope * shape_slope
+        # P_x = S + A m' C.
         place = shape + amplitude * family.m_slope * change
+        # P_v = r (S' (1 + A (ln r)') + A m' (C' + kappa' S')).
         of_amplitude = shape_slope * (1 + amplitude * family.log_rate_slope)
         of_parameter = amplitude * family.m_slope * slope_by_m
         speed = motion.rate * (of_amplitude + of_parameter)
+        # K = (ln r)' t + m' kappa/r.
         along = family.log_rate_slope * t + family.m_slope * family.jacobi.kappa(u) / motion.rate
+        # dH/dA = alpha A + beta A^3 = c A.
         energy_slope = -self.acceleration(amplitude)
         return Neighbour(place, speed, along, energy_slope)
 

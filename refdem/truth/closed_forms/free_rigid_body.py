@@ -100,6 +100,7 @@ def scaled_changes(form: Turning, axis: int, t: arb) -> list[arb]:
     space_plus = rotation.rotated(q_plus, body_plus)
     space_minus = rotation.rotated(q_minus, body_minus)
     turn = rotation.times(q_plus, rotation.conjugate(q_minus))
+    # q+ q-* = (cos(phi/2), sin(phi/2) n) = (1, phi n/2) to first order: phi n = 2 (x, y, z).
     scaled = [2 * x / arb_of(form.scale["attitude.w"]) for x in turn[1:]]
     omegas_plus = [*body_plus, *space_plus]
     omegas_minus = [*body_minus, *space_minus]
@@ -151,6 +152,7 @@ class FreeRigidBody(ClosedForm):
     @per_precision
     def start(self) -> list[arb]:
         """The unit attitude at t = 0."""
+        # q0/|q0|.
         length = arb_of(sum((x * x for x in self.attitude), Fraction(0))).sqrt()
         return [arb_of(x) / length for x in self.attitude]
 
@@ -173,6 +175,7 @@ class FreeRigidBody(ClosedForm):
         def rates(y: Sequence[Any]) -> list[Any]:
             wx, wy, wz, a, b, c, d = y
             momentum = [w * j for w, j in zip(y[:3], inertia, strict=True)]
+            # omega_i' = ((J omega) x omega)_i/J_i.
             gyroscopic = cross(momentum, y[:3])
             spin_up = [torque / j for torque, j in zip(gyroscopic, inertia, strict=True)]
             # Hamilton's product (a, b, c, d) (0, omega).
@@ -225,6 +228,7 @@ def seen(y: Sequence[arb]) -> dict[str, arb]:
     omega_body = list(y[:3])
     q = rotation.upright(y[3:])
     r = rotation.matrix(q)
+    # omega = R omega_body.
     omega = rotation.applied(r, omega_body)
     names = (*BODY_OMEGA, *OMEGA, *ATTITUDE, *MATRIX)
     values = [*omega_body, *omega, *q, *r[0], *r[1], *r[2]]

@@ -61,6 +61,7 @@ class HertzSpheres(ClosedForm):
         if since_touch < 0:
             rate = arb_of(self.begin[1])
             return {"overlap": arb_of(self.begin[0]) + rate * t, "v": rate}
+        # The contact lasts 2 half; the spheres part with the speed of touch, as the law is elastic.
         since_end = since_touch - 2 * contact.half
         if since_end >= 0:
             return {"overlap": -contact.speed * since_end, "v": -contact.speed}
@@ -75,6 +76,7 @@ class HertzSpheres(ClosedForm):
         """
         contact, touch = self.contact()
         ratio = arb_of(self.scale["overlap"] / self.scale["v"])
+        # d ~ u^(2/(n + 1)) with the speed u at touch, n = 3/2.
         power = arb_of(Fraction(2) / (HERTZ + 1))
         stiffness = arb_of(self.stiffness / self.mass)
         quick = steepness(stiffness * arb_of(HERTZ) * contact.depth.sqrt(), ratio)
@@ -98,6 +100,7 @@ class HertzSpheres(ClosedForm):
         """duration [s], max_overlap d_m [m] and max_force k d_m^(3/2) [N]."""
         contact, _ = self.contact()
         max_overlap = contact.depth
+        # k d_m^(3/2).
         force = arb_of(self.stiffness) * max_overlap * max_overlap.sqrt()
         return {"duration": 2 * contact.half, "max_overlap": max_overlap, "max_force": force}
 

@@ -62,6 +62,7 @@ def multipliers(p: Mapping[str, Fraction]) -> dict[str, arb]:
             f" exp({float(exponent):.3g}); take a faster drive"
         )
         raise NotCertifiedError(message, code="precision")
+    # (D +- sqrt(D^2 - 4))/2: complex of modulus 1 for D^2 < 4, real for D^2 > 4.
     d = trace(p)
     discriminant = d * d - 4
     if discriminant < 0:
@@ -83,6 +84,7 @@ def field(p: Mapping[str, Fraction]) -> Field:
 
     def rates(y: Sequence[Any]) -> Sequence[Any]:
         theta, thetadot, cosine, sine = y
+        # theta'' = (g - a W^2 cos W t) sin theta/l.
         angular_acceleration = (
             (p["gravity"] - cosine * pivot_acceleration) * theta.sin() / p["length"]
         )
@@ -101,6 +103,7 @@ def about_the_top(p: Mapping[str, Fraction]) -> Field:
 
     def rates(y: Sequence[Any]) -> Sequence[Any]:
         x1, v1, x2, v2, cosine, sine = y
+        # x'' = (g/(l W^2) - (a/l) cos) x for both solutions.
         stiffness = weight - cosine * push
         return v1, stiffness * x1, v2, stiffness * x2, -sine, cosine
 

@@ -66,6 +66,8 @@ def truth(p: Parameters, scale: Mapping[str, Size]) -> Truth:
     def field(state: Sequence[Any]) -> list[Any]:
         """The rates of (x, y, z) by the number of the iterate: interval times those by the time."""
         x, y, z = state
+        # dx/di = T sigma (y - x), dy/di = T (x (rho - z) - y), dz/di = T (x y - beta z), with T the
+        # interval.
         return [
             interval * (sigma * (y - x)),
             interval * (x * (rho - z) - y),

@@ -64,6 +64,7 @@ class Flight(Guarded, Truth):
         """
         places = {}
         for axis, v in zip(PLACE, self.velocity, strict=True):
+            # d(v t)/dp = (dv/dp) t.
             slopes = slopes_of(v) or (Fraction(0),) * count
             places[axis] = tuple(Ball(slope * t, Fraction(0)) for slope in slopes)
         return self.body.by_equation().derivatives(t, count) | places
@@ -103,6 +104,7 @@ def tumbling(system: Slope, start: Sequence[Any], scale: Mapping[str, Size]) -> 
     sizes = dict(scale)
     omega_size = Fraction(sizes["omega.x"])
     length = Fraction(sizes["x"])
+    # J_max [omega] and L [omega].
     sizes |= {"spin": max(system.inertia) * omega_size, "speed": length * omega_size}
     return HybridFlow(
         TracedModes(Modes(system, first_stop), len(start), lean_rates),
@@ -134,6 +136,7 @@ def seen(system: Slope, y: Sequence[Any]) -> dict[str, Any]:
     attitude = [c * q_w - s * q_y, c * q_x + s * q_z, c * q_y + s * q_w, c * q_z - s * q_x]
     matrix = [entry for row in rotation(attitude) for entry in row]
     slope_rows = rotation([c, y[0] * 0, s, y[0] * 0])
+    # Vectors are turned by the matrix of the same quaternion.
     omega = [dot(row, in_slope.omega) for row in slope_rows]
     position = [dot(row, y[7:10]) for row in slope_rows]
     values = [*in_slope.omega_body, *omega, *attitude, *matrix, *position]
@@ -155,6 +158,7 @@ def truth(p: Parameters, scale: Mapping[str, float]) -> Truth:
         body = FreeRigidBody(Refiner.of(body_scale), inertia, omega, attitude)
         return Flight(body, velocity, scale["x"])
     system = slope(p)
+    # L = J omega in principal axes.
     angular_momentum = [j * w for j, w in zip(inertia, omega, strict=True)]
     place = (Fraction(0), Fraction(0), number(p, "height"))
     start = Start(system.slope, attitude, angular_momentum, place, velocity)
@@ -195,7 +199,9 @@ class Start:
         half_angle = arb_of(self.slope) / 2
         back = [half_angle.cos(), arb(0), -half_angle.sin(), arb(0)]
         length = arb_of(sum((x * x for x in self.attitude), Fraction(0))).sqrt()
+        # The quaternion back q/|q|.
         attitude = times(back, [arb_of(x) / length for x in self.attitude])
+        # The angular momentum is in body axes, position and velocity are in axes of space.
         spin = rotated(attitude, [arb_of(x) for x in self.spin])
         place = rotated(back, [arb_of(x) for x in self.place])
         velocity = rotated(back, [arb_of(x) for x in self.velocity])

@@ -59,6 +59,7 @@ class Uniform(ClosedForm):
     def evaluate(self, t: arb) -> dict[str, arb]:
         """Every quantity of the uniform motion at time t."""
         start = [arb_of(x) for x in self.start]
+        # r0 + v t.
         position = [x + v * t for x, v in zip(start[:3], start[3:6], strict=True)]
         velocity_and_omega = start[3:]
         values = position + velocity_and_omega + self._turned(t)
@@ -77,12 +78,14 @@ class Uniform(ClosedForm):
         (t/2)^2 n_j^2 + (sin(|omega| t/2)/|omega|)^2 (1 - n_j^2). The sine is bounded by 1, and
         sin(|omega| t/2)/|omega| by t/2.
         """
+        # t V/X for each axis, with the scales X of the position and V of the velocity.
         drifts = [
             t * arb_of(self.scale[v] / self.scale[x])
             for x, v in zip(POSITION, VELOCITY, strict=True)
         ]
         omega = self.start[6:]
         omega_square = sum((x * x for x in omega), Fraction(0))
+        # A bound of |sin(|omega| t/2)|/|omega|: the smaller one of t/2 and 1/|omega|.
         across = t / 2
         if omega_square:
             across = across.min(1 / arb_of(omega_square).sqrt())
@@ -93,6 +96,7 @@ class Uniform(ClosedForm):
                 share = component * component / omega_square
             else:
                 share = Fraction(0)
+            # |dq/d omega_j|, with |sin|/|omega| replaced by its bound.
             change = (t * t / 4 * arb_of(share) + across * across * arb_of(1 - share)).sqrt()
             attitude_change += change * arb_of(self.scale[name])
         turns = [attitude_change / arb_of(self.scale[name]) for name in ATTITUDE]
@@ -104,6 +108,7 @@ class Uniform(ClosedForm):
         omega_square = sum(x * x for x in self.start[6:])
         half_rate = arb_of(omega_square).sqrt() / 2
         if omega_square:
+            # sin(|omega| t/2)/|omega|, which tends to t/2.
             sine_over_omega = (half_rate * t).sin() / (2 * half_rate)
         else:
             sine_over_omega = t / 2

@@ -124,6 +124,7 @@ class Revolution(PendulumMotion):
 
     def state(self, t: arb) -> tuple[arb, arb]:
         u = self.k * self.w0 * t + self.shift
+        # theta/2 = sense am u, thetadot = 2 sense k w0 dn u.
         half_angle = self.sense * self.jacobi.amplitude(u)
         dn = self.jacobi.sn_cn_dn(u)[2]
         return half_angle, 2 * self.sense * self.k * self.w0 * dn
@@ -140,6 +141,7 @@ class Revolution(PendulumMotion):
         rate = self.k * self.w0
         u = rate * t + self.shift
         sn, cn, dn = self.jacobi.sn_cn_dn(u)
+        # (k^2)' = 1/(2 w0^2), k' = (k^2)'/(2 k), m' = -m^2 (k^2)'.
         k_square_slope = 1 / (2 * self.w0 * self.w0)
         k_slope = k_square_slope / (2 * self.k)
         m_slope = -k_square_slope * self.jacobi.m * self.jacobi.m
@@ -263,6 +265,7 @@ class Pendulum(ClosedForm):
         theta = 2 * (half_angle + arb.pi() * turns)
         sine, cosine = theta.sin_cos()
         length = arb_of(self.length)
+        # m (l thetadot^2 + g cos theta).
         force = arb_of(self.mass) * (length * rate * rate + arb_of(self.gravity) * cosine)
         return {
             "theta": theta,
@@ -281,6 +284,7 @@ class Pendulum(ClosedForm):
 
         def field(y: Sequence[Any]) -> list[Any]:
             theta, rate = y
+            # theta'' = -(g/l) sin theta.
             return [rate, theta.sin() * (-self.gravity / self.length)]
 
         def first() -> arb:

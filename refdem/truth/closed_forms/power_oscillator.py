@@ -161,8 +161,10 @@ class PowerOscillator(ClosedForm):
         The force is steepest at the turning point, |f'| <= (k/m) n A^(n - 1).
         """
         ratio = arb_of(self.scale["x"] / self.scale["v"])
+        # A ~ u^(2/(n + 1)) with the largest speed u.
         power = arb_of(Fraction(2) / (self.exponent + 1))
         amplitude = arb_of(abs(self.amplitude))
+        # (k/m) n A^(n - 1).
         steepest = arb_of(self.ratio * self.exponent) * amplitude ** (arb_of(self.exponent) - 1)
         quick = steepness(steepest, ratio)
 
@@ -180,6 +182,7 @@ class PowerOscillator(ClosedForm):
 
     def constants(self) -> dict[str, arb]:
         """The period [s]: 4 sqrt(m/(2 k p)) A^((1 - n)/2) B(1/p, 1/2), which is 4 quarters."""
+        # A quarter in units of A/u, over the rate u/A.
         return {"period": 4 * self.quarter() / self.rate()}
 
 
@@ -233,10 +236,12 @@ def inverse(
     else:
         argument = arb(value.mid())
     for _ in range(8 + ctx.prec.bit_length()):
+        # x <- x - (function(x) - value)/slope(x).
         step = ((function(argument) - value) / slope(argument)).mid()
         argument = (argument - step).mid()
         if abs(step) < arb(2) ** (-ctx.prec // 2):
             break
+    # (function(x0) - value)/least.
     distance = (function(argument) - value) / least
     return argument + arb(0, distance.abs_upper())
 

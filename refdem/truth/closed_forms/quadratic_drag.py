@@ -91,6 +91,7 @@ class QuadraticDrag(ClosedForm):
             raise NotCertifiedError("t < 0: the motion is asked for from its start on")
         s = self.scaled_time(t)
         way, velocity = self.downwards(s)
+        # y = y0 - X v_t^2/g,  v = -u v_t.
         length = arb_of(self.terminal_squared / self.gravity)
         return {"y": arb_of(self.y0) - way * length, "v": -velocity * self.terminal()}
 
@@ -124,18 +125,21 @@ class QuadraticDrag(ClosedForm):
         u0 = self.start()
         _, u = self.downwards(s)
         if self.v0 > 0:
+            # tan phi' = -1/(u + R), and tan phi' = u0 at the start.
             root = (1 + u * u).sqrt()
             if -1 / (u + root) < u0:
-                # The start is after the time of the largest shift.
+                # The start is after the time of the largest shift: b(0, s) = (u - u0)/(1 + u0^2).
                 return (u - u0) / (1 + u0 * u0)
             return (u + root) / 2
         tangent = s.tanh()
+        # b(0, s) = T/(1 + u0 T).
         from_start = tangent / (1 + u0 * tangent)
         if self.v0**2 <= self.terminal_squared:
             return from_start
         # u = coth(theta) with theta = arcoth(u0) at the start.
         theta_start = ((u0 + 1) / (u0 - 1)).log() / 2
         theta = theta_start + s
+        # b is largest at theta' = theta/2, which is before the start if theta < 2 theta_start.
         if theta < 2 * theta_start:
             return from_start
         return (theta / 2).tanh() / 2

@@ -54,6 +54,7 @@ def truth(p: Parameters, scale: Mapping[str, float]) -> Truth:
     escape: Escape = never
     if values["eps"]:
         force = sum((abs(force) for force, _ in drives), Fraction(0))
+        # z = -sgn(eps) x: z'' = |eps| z^2 - w0^2 z - 2 delta z' + f with |f| <= sum |f_i|.
         repulsion = Repulsion(2, abs(values["eps"]), values["w0"] ** 2, values["delta"], force)
         if values["eps"] > 0:
             side = -1

@@ -110,6 +110,7 @@ class Incline:
 
     def rolling(self) -> tuple[Number, Number]:
         """The rates of v and omega while it rolls: v' = g sin a/(1 + f), R omega' = -v'."""
+        # g cos a tan a/(1 + f) = g sin a/(1 + f).
         acceleration = self.pressing * (self.slope / (1 + self.inertia_factor))
         return acceleration, acceleration * (-1 / self.radius)
 
@@ -140,6 +141,7 @@ class Incline:
             closing = self.slope + self.limit
         if slip == 0 or self.friction == 0 or closing <= 0:
             return None
+        # |s0|/(-|s|') with closing = mu k - tan a sgn s.
         return abs(slip) / (self.pressing * closing)
 
     def held(self) -> list[list[Fraction]]:

@@ -68,6 +68,7 @@ class StickSlip:
             growing = speed * speed
         else:
             growing = speed
+        # a ((mu0 - mu1)/(1 + lambda0 w) + mu1 + lambda1 w^2), or lambda1 w.
         falling = (self.mu0 - self.mu1) / (1 + self.lambda0 * speed)
         return self.a * (falling + self.mu1 + self.lambda1 * growing)
 
@@ -125,6 +126,7 @@ class StickSlip:
 
         def field(y: Any) -> list[Any]:
             friction = self.friction(side * y[SLIP])
+            # x' = u + belt,  u' = P - side a mu(|u|).
             return [y[SLIP] + self.belt, self.pull(y) - side * friction, 1]
 
         return field
@@ -229,6 +231,7 @@ class StickSlip:
         full_turn = 2 * arb.pi()
         elapsed = []
         for branch in (angle, -angle):
+            # k = ceil((eta t - branch)/(2 pi)).
             turns = ((arb_of(self.eta) * clock - branch) / full_turn).ceil().unique_fmpz()
             if turns is None:
                 raise SwitchError(

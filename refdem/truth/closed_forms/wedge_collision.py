@@ -97,6 +97,7 @@ class WedgeCollision(ClosedForm):
         contact, touch = self.approach()
         w = self.rate()
         ratio = arb_of(self.scale["overlap"] / self.scale["v"])
+        # d ~ u^(2/(n + 1)) with the speed u at touch, n = 2.
         power = arb_of(Fraction(2, 3))
         stiffness = arb_of(self.k2 / self.mass)
         quick = steepness(2 * stiffness * contact.depth, ratio)

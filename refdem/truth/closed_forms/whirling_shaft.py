@@ -73,10 +73,12 @@ class WhirlingShaft(ClosedForm):
     @property
     def is_at_border(self) -> bool:
         """True if a root lies on the imaginary axis: n^2 = (2 b)^2 w0^2."""
+        # |n| = 2 b w0, from 2 b w = n at w = +-w0.
         return self.push**2 == 4 * self.decay**2 * self.square
 
     def half_gap(self) -> acb:
         """s, half the difference of the roots, with a real part >= 0."""
+        # s = sqrt(b^2 - w0^2 + i n).
         real = arb_of(self.decay**2 - self.square)
         return acb(real, arb_of(self.push)).sqrt()
 
@@ -116,6 +118,7 @@ class WhirlingShaft(ClosedForm):
         def field(state: Sequence[Any]) -> list[Any]:
             x, y, vx, vy = state
             decay = 2 * self.decay
+            # x'' = -w0^2 x - n y - 2 b x',  y'' = -w0^2 y + n x - 2 b y'.
             along = -(x * self.square) - y * self.push - vx * decay
             across = -(y * self.square) + x * self.push - vy * decay
             return [vx, vy, along, across]
@@ -140,8 +143,10 @@ class WhirlingShaft(ClosedForm):
         def propagator(elapsed: arb) -> arb_mat:
             """The matrix that maps errors of (x, y, vx, vy) in scales to those after a time [s]."""
             z_by_z, z_by_v, v_by_z, v_by_v = self.moved(elapsed)
+            # In scales: z by v0 times V/X, v by z0 times X/V; `ratio` is X/V.
             return of_complex([[z_by_z, z_by_v / ratio], [v_by_z * ratio, v_by_v]])
 
+        # |q| = |-b +- s| <= b + |s|.
         fastest = arb_of(self.decay) + abs(self.half_gap())
         return SteadyGrowth(propagator, Norm([1] * 4), narrow(fastest))
 
@@ -156,9 +161,11 @@ class WhirlingShaft(ClosedForm):
         """
         s = self.half_gap()
         gap = abs(2 * s)
+        # The roots r = -b + s and q = -b - s, with r - q = 2 s.
         slow = acb(arb_of(-self.decay)) + s
         fast = acb(arb_of(-self.decay)) - s
         exponential = arb(1).max((self.largest_real_part() * t).exp())
+        # (|q| + |r|)/|q - r| on the diagonal, 2/|q - r| for z by v0, 2 |q r|/|q - r| for v by z0.
         diagonal = (abs(slow) + abs(fast)) / gap
         place_by_velocity = 2 / (gap * ratio)
         velocity_by_place = 2 * abs(slow * fast) * ratio / gap
@@ -171,6 +178,7 @@ class WhirlingShaft(ClosedForm):
             return arb(0)
         if self.push == 0 and self.decay**2 == self.square:
             return arb_of(-self.decay)
+        # Re(-b + s), as Re s >= 0.
         return self.half_gap().real - arb_of(self.decay)
 
     def constants(self) -> dict[str, arb]:

@@ -57,6 +57,7 @@ class Following:
         pieces = sum(len(phase.pieces) for phase in motion.phases)
         of_set = largest(motion.phases[-1].spread.radii())
         read = read_radius(motion)
+        # The radius of the set times the largest ratio of both radii so far.
         if of_set > 0:
             self.excess = max(self.excess, read / of_set)
             read = of_set * self.excess
@@ -79,6 +80,7 @@ class Following:
         self.scout.go_on(steps, t)
         course = self.course
         if self.scout.is_over or self.scout.times[-1] >= t:
+            # The scout has seen all of the motion that the forecast is about.
             course.least = FEW_PIECES
             course.share = SCOUTED_SHARE
         elif self.scout.ended:

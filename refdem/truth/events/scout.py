@@ -112,8 +112,10 @@ class EventScout:
         """Notes `length` [s] of a step that is `whole` [s] long, and its pieces."""
         mode = id(self.mode)
         if mode not in self.pieces_per_step:
+            # Pieces per second in the probe times the length of the step [s].
             self.pieces_per_step[mode] = pace_of(self.probed(length)) * whole
         self.times.append(self.times[-1] + length)
+        # A part of a step counts in proportion to its length.
         self.pieces.append(self.pieces[-1] + self.pieces_per_step[mode] * length / whole)
 
     def probed(self, length: float) -> Phase:
@@ -136,6 +138,7 @@ class EventScout:
         before = 0.0
         for look in range(1, LOOKS + 1):
             after = length * look / LOOKS
+            # A guard is positive inside its mode.
             guards = [guard for guard in self.mode.mode.guards if self.is_past(guard, after)]
             if guards:
                 crossings = [(self.crossing(guard, before, after), guard) for guard in guards]
@@ -165,6 +168,7 @@ class EventScout:
 
     def pass_event(self, guard: Guard, state: Sequence[arb]) -> None:
         """Enters the next mode through a guard. A phase has at least one piece."""
+        # At least one piece since the entry.
         self.pieces[-1] = max(self.pieces[-1], self.pieces_at_entry + 1)
         entry = guard.then(state)
         if entry.mode is None:
@@ -195,6 +199,7 @@ class EventScout:
             second = max(1, min(bisect_right(times, t), last))
             first = second - 1
         pace = (self.pieces[second] - self.pieces[first]) / (times[second] - times[first])
+        # Linear in t between the ends of two steps, or beyond the last one.
         return self.pieces[second] + pace * (t - times[second])
 
 

@@ -83,6 +83,7 @@ class Traced:
     ) -> None:
         self.mode = mode
         self.size = size
+        # Numbers of the coordinates that stand for parameters, before the clock.
         self.directions = range(size - 1 - parameters, size - 1)
         rates_of = rates or lie_derivatives
         # The rates of all coordinates, and the rows of the Jacobian of the field.
@@ -128,9 +129,11 @@ def lie_derivatives(
     Along a field f they are the Lie derivatives: g^(0) = g, g^(n+1) = grad g^(n) . f.
     """
     nodes, _ = traced(lambda y: [guard.value(y), *mode.field(y)], size, directions)
+    # The guard and the rates of the coordinates share one trace, so that their nodes combine.
     value, *rates = nodes
     derivatives = [value]
     for _ in range(highest):
+        # g^(n+1) = grad g^(n) . f.
         derivatives.append(along(derivatives[-1], rates))
     return [Program([node]) for node in derivatives]
 

@@ -193,6 +193,7 @@ class EventProof(Guarded, Generic[Motion]):
 
     def needed(self) -> list[int]:
         """The precisions of the ladder that can meet the digits; NotCertifiedError if none can."""
+        # About log2(1/target) bits for the digits, and those that every motion loses.
         least = ceil(1 / self.refiner.target()).bit_length() + LOSS
         ladder = [bits for bits in LADDER if bits >= least]
         if not ladder:
