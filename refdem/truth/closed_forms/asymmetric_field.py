@@ -120,6 +120,7 @@ class AsymmetricField(ClosedForm):
         speed = arb_of(start.square).sqrt()
         if region == "left":
             if start.sense > 0:
+                # Free flight to the edge at a constant speed.
                 return (arb_of(x1 - start.x) / speed, "rising", Start(x1, start.square, 1))
             return None
         if region == "right":

@@ -82,7 +82,7 @@ class BallsMayMeet:
         if q < 0:
             return None
         if not q > 0:
-            # The first root is (-d.w - sqrt(q))/w^2, and not before this.
+            # If there is a root, the first one, (-d.w - sqrt(q))/w^2, is not before this time.
             raise GrazingError((nearing - q.abs_upper().sqrt()) / square)
         wait: arb = gap / (nearing + q.sqrt())
         return wait

@@ -39,6 +39,7 @@ def field(p: Parameters) -> Field:
         # l theta'^2, the centripetal accelerations.
         centripetal1 = rate1 * rate1 * l1
         centripetal2 = rate2 * rate2 * l2
+        # N = m1 + m2 sin^2 D.
         n = sin_d * sin_d * m2 + m1
         # N l1 th1'' = right1 and N l2 th2'' = right2, the right-hand sides at the top of this file.
         right1 = (

@@ -81,6 +81,7 @@ def collision_frequency(diameter: Fraction, density: Fraction, t0: Fraction) -> 
     # phi = pi n sigma^3/6,  chi = (1 - phi/2)/(1 - phi)^3
     packing = arb.pi() * arb_of(density * diameter**3 / 6)
     chi = (1 - packing / 2) / (1 - packing) ** 3
+    # w_c = 4 sqrt(pi) n sigma^2 sqrt(T/m) chi.
     return 4 * arb.pi().sqrt() * arb_of(density * diameter**2) * arb_of(t0 / MASS).sqrt() * chi
 
 

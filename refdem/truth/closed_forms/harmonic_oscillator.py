@@ -59,7 +59,7 @@ class HarmonicOscillator(ClosedForm):
         def propagator(elapsed: arb) -> arb_mat:
             """The matrix that maps errors of (x, v) in scales to those after a time [s]."""
             sine, cosine = (w * elapsed).sin_cos()
-            # w in units of V/X, the ratio of the scales.
+            # w X/V, with the scales X of x and V of v.
             scaled_w = w * arb_of(self.scale["x"] / self.scale["v"])
             # x = x0 cos w t + (v0/w) sin w t, v = -w x0 sin w t + v0 cos w t, each over its scale.
             return arb_mat([[cosine, sine / scaled_w], [-scaled_w * sine, cosine]])

@@ -95,7 +95,7 @@ def hollowed(whole: Means, factor: Fraction, *, across: bool = False) -> Means:
         # A copy scaled by f in all axes has the part f^3 of the volume, and squares scale by f^2.
         part = factor**3
         scale = (factor**2, factor**2, factor**2)
-    # V M_ii - p V s_i M_ii over (1 - p) V.
+    # (V M_ii - p V s_i M_ii)/((1 - p) V).
     second = [whole.second[i][i] * (1 - part * scale[i]) / (1 - part) for i in range(3)]
     return Means(whole.volume * (1 - part), whole.centre, diagonal(*second), whole.is_round)
 

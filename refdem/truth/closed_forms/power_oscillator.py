@@ -193,7 +193,7 @@ def magnitude(x: arb, power: arb) -> arb:
     """
     if x > 0 or x < 0:
         if slopes_of(power):
-            # A ball without derivatives would leave out those of its power.
+            # |x|^p = exp(p ln |x|): a power of a plain ball would drop the derivatives of p.
             return (abs(x).log() * power).exp()
         return abs(x) ** power
     if slopes_of(x) or slopes_of(power):

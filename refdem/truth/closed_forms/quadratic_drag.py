@@ -157,7 +157,8 @@ class QuadraticDrag(ClosedForm):
 def fallen(u0: arb, s: arb) -> tuple[arb, arb]:
     """X = ln(cosh s + u0 sinh s) and u = (u0 + T)/(1 + u0 T), T = tanh s, from u0 >= 0 on."""
     tangent = s.tanh()
-    # ln(cosh s + u0 sinh s) = s + ln((1 + u0)/2 + (1 - u0)/2 exp(-2 s)), which no large s upsets.
+    # ln(cosh s + u0 sinh s) = s + ln((1 + u0)/2 + (1 - u0)/2 exp(-2 s)): nothing overflows for a
+    # large s.
     way = s + ((1 + u0) / 2 + (1 - u0) / 2 * (-2 * s).exp()).log()
     return way, (u0 + tangent) / (1 + u0 * tangent)
 

@@ -162,7 +162,8 @@ def rates(p: Parameters, u: ComplexMatrix) -> dict[str, ComplexMatrix]:
     # (1.67): u' = omega u/2, and u'' = (omega' u + omega u')/2 = (omega' u + omega^2 u/2)/2.
     rate = omega * u / two
     second_rate = (omega_rate * u + omega * omega * u / two) / two
-    # The row "back" goes through the rotation matrix, the same for u and -u: w >= 0 is meant.
+    # The row "back" is computed from the rotation matrix, which is the same for u and -u. Of these
+    # the quaternion with w >= 0 is taken.
     if numbers_of(u)[0] < 0:
         back = -u
     else:

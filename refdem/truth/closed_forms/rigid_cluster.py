@@ -139,7 +139,6 @@ class AboutAxis(FreeBody):
 
     def lead(self, t: arb) -> arb:
         """The lead of a steady rotation per time (free_body.steady_lead), times t."""
-        # |omega|^2.
         square = rotation.dot(self.start, self.start)
         return steady_lead(self.along, self.twice_energy, self.length, square) * t
 
@@ -308,7 +307,7 @@ class RigidCluster(ClosedForm):
     def _steady_axis(self, moments: Sequence[arb]) -> int:
         """The principal axis along which omega lies: that of the moment 2 E/omega^2."""
         momentum = [dot_exact(row, self.omega) for row in self.tensor]
-        # 2 E/omega^2 = L . omega/omega . omega.
+        # 2 E/omega^2 = (L . omega)/(omega . omega).
         moment = dot_exact(momentum, self.omega) / dot_exact(self.omega, self.omega)
         return min(AXES, key=lambda i: abs(float(moments[i].mid()) - float(moment)))
 

@@ -206,6 +206,7 @@ class Rolling(ClosedForm):
         if ended is None:
             return [first]
         side_after = incline.side_after(Fraction(0))
+        # The second phase begins in the state in which the first one ends, with the slip 0.
         second = Phase(ended, side_after, *first.after(ended), *incline.rates(side_after))
         return [first, second]
 

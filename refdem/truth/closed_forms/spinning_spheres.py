@@ -75,7 +75,7 @@ class SpinningSpheres(Collision):
     def quantities(self, relative: Sequence[arb]) -> dict[str, arb]:
         """The 18 quantities from r and v of body 1 against body 2, and both spins."""
         values: list[arb] = []
-        # The centre of mass rests: r1 = (m2/M) r, r2 = -(m1/M) r, and so with v.
+        # The centre of mass rests: r1 = (m2/M) r, r2 = -(m1/M) r, and the same for v.
         for body, sign in ((0, 1), (1, -1)):
             share = arb_of(sign * self.spheres.masses[1 - body] / self.spheres.total_mass)
             values += [share * value for value in relative[:6]]

@@ -33,7 +33,7 @@ from refdem.truth.exact import numbers
 from refdem.truth.refiner import Refiner
 from refdem.truth.traced_field import Field
 
-# Places of a state.
+# Indices of the coordinates of a state.
 PLACE = 0  # x [m]
 SLIP = 1  # u [m/s]
 CLOCK = 2  # t [s]
@@ -178,7 +178,8 @@ class StickSlip:
             return Entry(BACKWARD, None, {"stop": 1})
         if abs(pull) < self.limit:
             return Entry(STICK)
-        # |P| = a mu0: it leaves if |P| rises. P' = -x' = -belt: the drive has no rate at t = 0.
+        # |P| = a mu0: the mass leaves the belt if |P| rises. At t = 0 the derivative of
+        # gamma cos(eta t) is 0, so that P' = -x' = -belt.
         if pull > 0:
             side = FORWARD
             leaving = -self.belt

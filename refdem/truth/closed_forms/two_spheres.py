@@ -118,7 +118,7 @@ class TwoSpheres(Collision):
             share = arb_of(sign * self.spheres.masses[1 - body] / self.spheres.total_mass)
             position = [share * x, share * y, zero]
             velocity = [share * vx, share * vy, zero]
-            # Torques are along z: the other components of the spins stay.
+            # Torques are along z: the other components of the spins do not change.
             spin_xy = [arb_of(part) for part in self.spheres.spins[3 * body : 3 * body + 2]]
             values += [*position, *velocity, *spin_xy, spins_z[body]]
         return dict(zip(NAMES, values, strict=True))

@@ -137,6 +137,7 @@ def only_zero(watched: Watched, low: arb, high: arb) -> arb:
     interval = low.union(high)
     while True:
         middle = interval.mid()
+        # m - G(m)/D(I).
         newton = middle - watched.value(middle) / watched.rate(interval)
         closer = newton.intersection(interval)
         if not closer.rad() < interval.rad() / 2:
@@ -194,6 +195,7 @@ def carried_crossing(guards: list[Watched], low: arb, high: arb) -> tuple[str, a
     value = crossed.value(x)
     if not slopes_of(value):
         return found
+    # dx/dp = -(dG/dp)/G'(x).
     return name, carried(x, (-1 / ball(crossed.rate(x)), value))
 
 

@@ -48,6 +48,7 @@ def directed(mode: Mode, count: int) -> Mode:
     """A mode whose `count` parameters are coordinates."""
 
     def field(y: Sequence[Any]) -> list[Any]:
+        # y' = f(y), d' = 0, and the rate 1 of the clock.
         return beside_parameters(mode.field(inner(y, count)), [0] * count)
 
     def leaves(y: State) -> tuple[str, arb] | None:
@@ -107,6 +108,7 @@ def directed_entry(entry: Entry, count: int) -> Entry:
         return entry
 
     def with_parameters(y: Sequence[Any]) -> list[Any]:
+        # The reset of y, with the parameters d and the clock.
         return beside_parameters(reset(inner(y, count)), y[-1 - count : -1])
 
     return replace(entry, reset=with_parameters)
@@ -135,6 +137,7 @@ def dual_state(motion: Followed, t: arb, start: Sequence[arb], count: int) -> li
             slopes = list(row[-1 - count : -1])
             for by_start, one in zip(inner(row, count), start, strict=True):
                 of_start = slopes_of(one) or no_slopes
+                # dy_i/dp_k += (dy_i(t)/dy_j(0)) (dy_j(0)/dp_k) for each k.
                 slopes = [
                     slope + by_start * other for slope, other in zip(slopes, of_start, strict=True)
                 ]

@@ -42,7 +42,7 @@ class Following:
         if self.motion.is_stopped_before(arb_of(self.t)):
             self.is_final = True
             return False
-        # The mark of this step is the next one.
+        # The mark of this step is added after the step and gets this number.
         number = len(self.course.marks)
         self.course.entries += [(event.mode, number) for event in self.motion.events[passed:]]
         return not self.motion.over()
@@ -80,7 +80,6 @@ class Following:
         self.scout.go_on(steps, t)
         course = self.course
         if self.scout.is_over or self.scout.times[-1] >= t:
-            # The scout has seen all of the motion that the forecast is about.
             course.least = FEW_PIECES
             course.share = SCOUTED_SHARE
         elif self.scout.ended:

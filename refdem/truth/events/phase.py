@@ -99,7 +99,7 @@ class Phase(Chain):
             try:
                 crossing = self.event_in(piece, self.searched, high)
             except SwitchError as error:
-                # A zero too near the end of this window may lie inside, or after, a shorter one.
+                # A zero too near the end of this window is farther from the end of a shorter one.
                 if error.code != "precision" or attempt == RETRIES - 1:
                     raise
                 continue

@@ -46,7 +46,7 @@ class EventScout:
 
     def __init__(self, motion: Followed) -> None:
         self.motion = motion
-        # By mode.
+        # The number of pieces in a step, by the id of the mode.
         self.pieces_per_step: dict[int, float] = {}
         self.ended = False
         self.is_over = False
@@ -168,7 +168,6 @@ class EventScout:
 
     def pass_event(self, guard: Guard, state: Sequence[arb]) -> None:
         """Enters the next mode through a guard. A phase has at least one piece."""
-        # At least one piece since the entry.
         self.pieces[-1] = max(self.pieces[-1], self.pieces_at_entry + 1)
         entry = guard.then(state)
         if entry.mode is None:

@@ -221,7 +221,7 @@ class EventProof(Guarded, Generic[Motion]):
 
         The search of windows is not counted: it costs little in comparison with a piece.
         """
-        # log2 of a number that may be below all doubles.
+        # log2 of a fraction that may underflow as a double.
         target = log2(self.refiner.target().numerator) - log2(self.refiner.target().denominator)
         time = float(t)
         motion = self.motion(course.bits)
@@ -238,7 +238,7 @@ class EventProof(Guarded, Generic[Motion]):
         if motion.over():
             return 0.0
         follow(course, following.state, following.step, t, work)
-        # No piece is made after the end of a motion, or after an error that more bits do not help.
+        # No piece is made after the end of a motion, or after an error that more bits cannot avoid.
         if motion.over() or following.is_final:
             return 0.0
         return work()
@@ -450,6 +450,7 @@ class HybridFlow(Guarded, Truth):
         """
 
         def quantities_at_t(motion: HybridMotion) -> dict[str, arb]:
+            # The derivatives that the start carries enter by the chain rule (directed.py).
             return self.named(dual_state(motion, arb_of(t), balls_of(self.begin), count))
 
         what = f"derivatives at t = {float(t):.17g} s"
@@ -535,6 +536,7 @@ class HybridFlow(Guarded, Truth):
         count = len(scales)
         matrix = arb_mat(count, count)
         for i, scale in enumerate(scales):
+            # C = diag(1/scale_i).
             matrix[i, i] = 1 / scale
         return matrix
 
