@@ -303,6 +303,7 @@ class Collision(Guarded, Truth):
         for place, name in enumerate(names):
             if name.startswith("r"):
                 velocity = "v" + name[1:]
+                # d(r/scale(r))/dtau = (v/scale(v)) scale(v) T/scale(r), with t = T tau.
                 ratio = self.scale[velocity] * self.phases.time / self.scale[name]
                 rows[place][names.index(velocity)] = arb_of(ratio)
         return arb_mat(rows)
@@ -346,6 +347,7 @@ def moved_by_shares(shares: Sequence[arb], drifting: Sequence[int], size: int) -
     """
     count = size + len(drifting)
     rows = [[arb(0)] * count for _ in range(count)]
+    # x1 = x_c + m2/M r, x2 = x_c - m1/M r, and the same for velocities.
     for body, share in ((0, shares[1]), (1, -shares[0])):
         for i in drifting:
             row = rows[body * len(drifting) + i]

@@ -212,6 +212,7 @@ class Course:
         made = self.marks[-1].pieces - self.marks[0].pieces
         if passed > 0 and made >= PIECES:
             swelled = self.swelling(last.time) - self.swelling(half.time)
+            # The growth per unit of the clock, less that of an existing error.
             growth = (last.radius - half.radius - swelled) / passed
         if ahead > 0:
             growth += (self.swelling(t) - self.swelling(last.time)) / ahead
@@ -263,6 +264,7 @@ class Course:
         be lacking at t: rising from 0 to 1 where the two differ by no more than the forecast does.
         """
         last = self.later_half()[1]
+        # (1 + lacking/unsure)/2, between 0 and 1.
         unsure = UNSURE + UNSURE_PART * abs(self.radius_at(t) - last.radius)
         return min(1.0, max(0.0, (1.0 + lacking / unsure) / 2))
 

@@ -324,6 +324,7 @@ def disagreements(
         }
         expected_at.append(expected_of)
         growth = max([growth, *(ceil(abs(ball.mid)) for ball in expected_of.values())])
+    # A distance smaller by `growth` loses log10(growth) digits, about a third of its bits.
     distance = DISTANCE / growth
     digits = DIGITS + growth.bit_length() // 3
     far = Differences(make, p, direction, distance, digits)
@@ -349,6 +350,7 @@ def disagreement(
             continue
         apart = abs(far[quantity].mid - near[quantity].mid)
         rounding = far[quantity].radius + near[quantity].radius + expected.radius
+        # |D - Q(h/2)| > SPARE (|Q(h) - Q(h/2)| + radii), Q(h) being the difference quotient.
         if abs(expected.mid - near[quantity].mid) > SPARE * (apart + rounding):
             seen = float(near[quantity].mid / direction.unit)
             computed = float(expected.mid / direction.unit)
@@ -409,5 +411,6 @@ class Differences:
             ball = above[name]
             other = below[name]
             radius = (ball.radius + other.radius) / abs(width)
+            # (f(upper) - f(lower))/(upper - lower); the radii of both values add.
             quotients[name] = Ball((ball.mid - other.mid) / width, radius)
         return quotients

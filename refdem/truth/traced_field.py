@@ -219,9 +219,11 @@ def slope(node: Node, by: int) -> Node:
 SLOPES: dict[str, Callable[..., Node]] = {
     "+": lambda node, a, da, b, db: da + db,
     "*": lambda node, a, da, b, db: da * b + a * db,
+    # q = a/b: dq = (da - q db)/b
     "/": lambda node, a, da, b, db: (da - node * db) / b,
     "sin": lambda node, a, da, *_: a.cos() * da,
     "cos": lambda node, a, da, *_: -a.sin() * da,
+    # e = exp(a): de = e da, and s = sqrt(a): ds = da/(2 s)
     "exp": lambda node, a, da, *_: node * da,
     "sqrt": lambda node, a, da, *_: da / (node * 2),
 }
