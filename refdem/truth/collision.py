@@ -285,7 +285,8 @@ class Collision(Guarded, Truth):
         with precision(motion.bits + GUARD):
             chart = self.chart(motion, phase, phase.entered)
             count = chart.nrows()
-            # What `chart` makes of the jump matrix in the coordinates of the mode.
+            # C J C^-1: the jump matrix J in the coordinates of the mode becomes that in those of C,
+            # which is `chart`.
             jump = chart * self.beside(motion.jump_at_touch()) * inverted(chart)
             drifting = self.flight_slopes(count)
 

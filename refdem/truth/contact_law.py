@@ -39,7 +39,7 @@ def dashpot(
     decay = -logarithm(restitution)
     if is_zero(decay):
         return Fraction(0)
-    # Where both begin, at e = 1, they have the same derivative.
+    # At e = 1 both laws have c = 0 and dc/dD = (2/pi) sqrt(m k).
     if ends_with_overlap or restitution == 1:
         return 2 * decay * root(mass * stiffness / (pi() ** 2 + decay**2))
     if not decay < 2:

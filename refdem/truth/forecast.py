@@ -181,7 +181,7 @@ class Course:
         marks = self.cycle_entries() or self.thin()
         last = replace(marks[-1], time=self.clock(marks[-1].time))
         middle = (self.clock(marks[0].time) + last.time) / 2
-        # Marks rise in time, and their times by the clock do too.
+        # The marks are in rising order of time, and of their times by the clock.
         number = bisect_right(marks, middle, key=lambda mark: self.clock(mark.time))
         half = marks[max(0, number - 1)]
         return replace(half, time=self.clock(half.time)), last
@@ -242,7 +242,7 @@ class Course:
         work = max(0.0, self.pieces_to(end) - self.pieces_since())
         chance = 1.0
         for _ in range(TRIES):
-            # A set is thinner by the bits that are more.
+            # log2 of the radius is smaller by the number of additional bits.
             thinner = bits - self.bits
             ends = self.time_of(TOO_LARGE + thinner, t) < t
             lacking = self.radius_at(t) - thinner - target

@@ -541,6 +541,7 @@ class Growth:
         middles, radii = split(answers, len(slack))
         middle_norms = self.norm.read(middles)
         radius_norms = self.norm.read(radii)
+        # |M X| (1 + slack), with |M X| <= |midpoints| + |radii|.
         by_cell = (middle_norms + radius_norms) * (1 + slack)
         bound = float(by_cell.max(initial=0.0)) * UPWARDS
         if not float(radius_norms.max(initial=0.0)) <= MAX_ROUNDING_PART * bound:
@@ -1056,6 +1057,7 @@ def between_scales(rows: Sequence[Sequence[arb]], sizes: Sequence[arb]) -> arb_m
     """
     scaled = []
     for row, size in zip(rows, sizes, strict=True):
+        # A_ij size_j/size_i
         scaled.append([entry * column / size for entry, column in zip(row, sizes, strict=True)])
     return arb_mat(scaled)
 

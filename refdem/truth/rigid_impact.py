@@ -182,7 +182,7 @@ def impact_of(bodies: Sequence[RoundBody], law: ImpactLaw) -> Impact:
     turning = [1 / (body.inertia_factor * body.mass) for body in bodies]
     normal_mass = 1 / sum(inverse_masses, Fraction(0))
     tangential_mass = 1 / sum([*inverse_masses, *turning], Fraction(0))
-    # The impulses that reverse their shares e and b: (1 + e) m_n and (1 + b) m_t.
+    # Impulses (1 + e) m_n g.n and (1 + b) m_t s: the closing speed becomes -e g.n, the slip -b s.
     normal_factor = (1 + law.restitution) * normal_mass
     stopping = (1 + law.tangential_restitution) * tangential_mass
     # R/J = 1/(f m R).

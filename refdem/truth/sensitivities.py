@@ -207,7 +207,7 @@ def at_times(
     try:
         return [truth.derivatives(t, len(numbers)) for t in times]
     except TypeError as error:
-        # A dual number has met a function for which it has no rule.
+        # A dual number was passed to a function for which it has no rule of differentiation.
         raise NotCertifiedError(
             f"derivatives of this truth by its parameters are not certified yet: {error}"
         ) from None
@@ -280,7 +280,8 @@ def unbracketed(
         return missing
     steps = {}
     for k, number in enumerate(numbers):
-        # No two numbers by the same part of themselves, so that errors do not cancel.
+        # Step k is |x_k| (1 + k/(7 + n)), n being how many numbers there are: no two of them change
+        # by the same part of themselves, so that errors do not cancel.
         steps[number] = (abs(number.of(p)) or Fraction(1)) * (1 + Fraction(k, 7 + len(numbers)))
     together = {number: step for number, step in steps.items() if number.of(p) != 0}
     unclear: list[int] = []

@@ -147,7 +147,7 @@ class Stop:
             slip = self.values(y, (0, 0, 0)).slip
             heading = atan2(float(slip[1].mid()), float(slip[0].mid()))
             horizon = self.horizon(y, slip, heading)
-            # What is farther away than a contact lasts is not looked for.
+            # A stop is searched for within the window sqrt(m/k), about a third of a contact.
             if not 0 < horizon < self.system.window:
                 return None
             speed = (slip[0] ** 2 + slip[1] ** 2).sqrt()

@@ -269,7 +269,8 @@ class Stepped(Guarded, ABC):
         # D(n, m) = slope D(n - 1, m) with D(n - 1, n - 1) = 1, where D(n, m) is the derivative of
         # iterate n by iterate m.
         derivatives = slope @ np.concatenate([before, identity])
-        # e_n = (q off + ROUNDING |slope|) S(n - 1), a bound of what this step adds to the errors.
+        # e_n = (q off + ROUNDING |slope|) S(n - 1) bounds what this step adds to the errors; `off`
+        # already bounds the norm of the error of the slope (growth.doubles).
         step_error = off * count + ROUNDING * float(norm(slope))
         errors = np.concatenate([errors, [step_error * self.grown[-1]]])
         # What follows the step to iterate k multiplies its error e_k by D(n, k), and D(n, n) = 1.

@@ -162,7 +162,7 @@ class Rectangle(Guarded, Truth):
                     high = middle - 1
             if low and low + other.count(wall.time(low)) == n:
                 return wall.time(low), axis
-        # Two crossings at one time, of which this is the first.
+        # Both axes cross at one time, at the corner, and crossing n is the first one of the two.
         assert self.corner is not None
         return self.corner, 0
 

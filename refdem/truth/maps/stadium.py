@@ -85,8 +85,8 @@ class Stadium(Stepped, Iterated):
         u, v = state.direction
         r = arb_of(self.radius)
         a = arb_of(self.half)
-        # Along x, as far as balls decide: it meets the half circle ahead if it is inside the walls
-        # where that begins.
+        # The sign of v is not decided: the path is nearly along x, and meets the half circle ahead
+        # if |y| < r where that begins, at x = side a.
         if not (v > 0 or v < 0):
             side = sign(u, "corner")
             sign(r - abs(ball(y + v * (side * a - x) / u)), "corner")
@@ -95,7 +95,7 @@ class Stadium(Stepped, Iterated):
             up = 1
         else:
             up = -1
-        # Where the path meets the line of the wall.
+        # The path meets the line y = up r of the wall at x + (up r - y) u/v.
         x_on_line = x + (up * r - y) * u / v
         if self.half == 0:
             return ARC, sign(x_on_line, "corner")

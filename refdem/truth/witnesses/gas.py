@@ -45,7 +45,8 @@ def cooling(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claimed)
     # chi = (1 - phi/2)/(1 - phi)^3, with the packing fraction phi = pi n sigma^3/6.
     packing = arb.pi() * e["density"] * e["diameter"] ** 3 / 6
     chi = (1 - packing / 2) / ((1 - packing) * (1 - packing) * (1 - packing))
-    # The standard deviation sqrt(2 T/m) of u, and the integral of exp(-u^2/2) over all u.
+    # The standard deviation sqrt(2 T/m) of u, and the integral of exp(-u^2/2) over all u, with u in
+    # units of the deviation.
     deviation = (2 * e["t0"]).sqrt()
     norm = 2 * moment(0)
     # <u+> = deviation (integral of u exp(-u^2/2) over u > 0)/norm.

@@ -35,7 +35,7 @@ def pendulum(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claimed
 
     def field(t: Any, s: Sequence[Any]) -> list[Any]:
         x, y, vx, vy, _ = s
-        # T/(m l)
+        # T/(m l) = (v^2 - g y)/l^2, theta' = (x vy - y vx)/l^2
         rod = (vx * vx + vy * vy - y * gravity) / (length * length)
         thetadot = (x * vy - y * vx) / (length * length)
         return [vx, vy, -rod * x, -rod * y - gravity, thetadot]

@@ -35,7 +35,7 @@ def rates(inertia: Sequence[arb]) -> Any:
         a_rate = b * c * ((j2 - j3) / j1)
         b_rate = c * a * ((j3 - j1) / j2)
         c_rate = a * b * ((j1 - j2) / j3)
-        # The quaternion product q omega_body.
+        # q' = q (0, omega_body)/2: the quaternion product q (0, a, b, c).
         product_w = -x * a - y * b - z * c
         product_x = w * a + y * c - z * b
         product_y = w * b + z * a - x * c

@@ -393,7 +393,8 @@ def products(p: Mapping[str, Exact], length: arb) -> dict[str, Sequence[Any]]:
         "real-product": pq,
         "complex-product": pq,
     }
-    # Eigenvalues of x s1 + y s2 + z s3: +-|(x, y, z)|; those of i, j, k are +-i.
+    # The eigenvalues of x s1 + y s2 + z s3, s_i being Pauli's matrices, are +-|(x, y, z)|; those of
+    # the matrices of i, j, k are +-i.
     v = vector(p, "vector")
     size = arb_of(sum((x * x for x in v), Fraction(0))).sqrt()
     of_pauli: dict[str, Sequence[Any]] = {

@@ -173,8 +173,7 @@ def of_multiples(p: Mapping[str, Exact]) -> dict[str, Sequence[Any]]:
     multiple = int(number(p, "multiple"))
     angle = arb_of(number(p, "angle"))
     other_angle = arb_of(vector(p, "euler")[0])
-    # The entries xx of the turns by the sum and by the difference.
-    # cos a cos b = (cos(a + b) + cos(a - b))/2
+    # cos a cos b = (cos(a + b) + cos(a - b))/2, each cosine being the entry xx of a turn about z.
     both = (about("z", angle + other_angle) + about("z", angle - other_angle))[0, 0] / 2
     for _ in range(max(multiple, 4)):
         power = power * turn
