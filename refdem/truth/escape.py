@@ -54,7 +54,6 @@ class Repulsion:
         a = min(largest_by_start, largest_by_strength).mid()
         for _ in range(HALVINGS):
             if self.satisfies_theorem(least_z, root, a):
-                # 2/((n - 1) a z^((n-1)/2))
                 return 2 / ((n - 1) * a * root)
             a /= 2
         return None

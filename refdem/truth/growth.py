@@ -1057,7 +1057,6 @@ def between_scales(rows: Sequence[Sequence[arb]], sizes: Sequence[arb]) -> arb_m
     """
     scaled = []
     for row, size in zip(rows, sizes, strict=True):
-        # A_ij size_j/size_i
         scaled.append([entry * column / size for entry, column in zip(row, sizes, strict=True)])
     return arb_mat(scaled)
 

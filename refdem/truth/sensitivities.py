@@ -280,8 +280,8 @@ def unbracketed(
         return missing
     steps = {}
     for k, number in enumerate(numbers):
-        # Step k is |x_k| (1 + k/(7 + n)), n being how many numbers there are: no two of them change
-        # by the same part of themselves, so that errors do not cancel.
+        # Step k of n is |x_k| (1 + k/(7 + n)), with 1 for |x_k| = 0: no two numbers change by the
+        # same part of themselves, so that errors do not cancel.
         steps[number] = (abs(number.of(p)) or Fraction(1)) * (1 + Fraction(k, 7 + len(numbers)))
     together = {number: step for number, step in steps.items() if number.of(p) != 0}
     unclear: list[int] = []

@@ -117,7 +117,6 @@ class SpatialPhases(LinearContact):
         normal = self.normal(y)
         closing = self.closing(y)
         first, second = self.levers(y)
-        # v - u n + (l_1 o_1 + l_2 o_2) x n
         surface_spin = [first * a + second * b for a, b in zip(y[6:9], y[9:12], strict=True)]
         by_spin = cross(surface_spin, normal)
         return [v - n * closing + w for v, n, w in zip(y[3:6], normal, by_spin, strict=True)]

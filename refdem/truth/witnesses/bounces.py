@@ -63,7 +63,6 @@ class Flight:
         """Place r + v s - g s^2/2 e_y and velocity v - g s e_y, s after the last bounce."""
         since = t - self.now
         place = [r + v * since for r, v in zip(self.sphere.r, self.sphere.v, strict=True)]
-        # r + v s - (g s^2/2) e_y, and v - g s e_y.
         place[1] -= self.gravity * since * since / 2
         velocity = list(self.sphere.v)
         velocity[1] -= self.gravity * since

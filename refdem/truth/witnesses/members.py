@@ -328,7 +328,6 @@ class Mindlin:
         side k_t stretch.
         """
         w = y[self.ROOT]
-        # mu k w^2 - side k_t stretch
         return self.mu * self.k * w * w - side * self.kt * y[self.STRETCH]
 
     def excess(self, side: int, y: Sequence[Any]) -> Any:
@@ -337,7 +336,6 @@ class Mindlin:
         The limit of the stretch is side mu k d/k_t, from k_t w stretch = side mu k w^3. So the
         excess is side k_t (v_y + R omega_z) - mu k d'.
         """
-        # side k_t (v_y + R omega_z) - mu k d'
         slip = y[self.ACROSS] + y[self.SPIN]
         return side * self.kt * slip - self.mu * self.k * y[self.CLOSING]
 
