@@ -166,8 +166,8 @@ def next_cell(low: Fraction, scales: Scales) -> Cell:
     omega made at 0 have turned the body by at `low`.
     """
     narrow = Fraction(2 * WIDEST / max(scales.jacobian, scales.shear))
-    # Errors of omega made at 0 have turned the body in proportion to the time: late cells may be a
-    # share of it.
+    # Errors of omega made at 0 have turned the body in proportion to the time: a cell may be as
+    # wide as the part SHARE of its time.
     width = max(narrow, low * SHARE)
     if scales.jacobian > 0:
         # a h <= WIDEST, with the width 2 h.
@@ -628,11 +628,11 @@ class Spinning(BodyGrowth):
     def largest_waves(self, t: arb) -> tuple[arb, arb]:
         """Bounds of |x| and |y| over all times up to t."""
         if not self.square > 0:
-            # Both grow with time.
+            # x is cosh or 1, y is sinh over its rate or the time: both grow.
             return self.waves(t)
         root = self.square.sqrt()
         if t < arb.pi() / (2 * root):
-            # The sine still grows.
+            # sin(root t)/root grows up to root t = pi/2.
             return arb(1), (root * t).sin() / root
         return arb(1), 1 / root
 
@@ -715,6 +715,7 @@ def squared_frequency(tensor: Tensor, moment: Number) -> Number:
     """
     tensor_inverse = inverse(tensor)
     x = [[int(i == j) - moment * tensor_inverse[i][j] for j in AXES] for i in AXES]
+    # (tr^2 X - tr X^2)/2, the sum of the principal minors of X = 1 - J_s J^-1.
     minors = [x[i][i] * x[j][j] - x[i][j] * x[j][i] for i, j in ((0, 1), (0, 2), (1, 2))]
     square: Number = minors[0] + minors[1] + minors[2]
     return square

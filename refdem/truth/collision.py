@@ -285,7 +285,8 @@ class Collision(Guarded, Truth):
         with precision(motion.bits + GUARD):
             chart = self.chart(motion, phase, phase.entered)
             count = chart.nrows()
-            # What `chart` makes of the jump matrix in the coordinates of the mode.
+            # C J C^-1: the jump matrix J in the coordinates of the mode becomes that in those of C,
+            # which is `chart`.
             jump = chart * self.beside(motion.jump_at_touch()) * inverted(chart)
             drifting = self.flight_slopes(count)
 
@@ -303,6 +304,7 @@ class Collision(Guarded, Truth):
         for place, name in enumerate(names):
             if name.startswith("r"):
                 velocity = "v" + name[1:]
+                # d(r/scale(r))/dtau = (v/scale(v)) scale(v) T/scale(r), with t = T tau.
                 ratio = self.scale[velocity] * self.phases.time / self.scale[name]
                 rows[place][names.index(velocity)] = arb_of(ratio)
         return arb_mat(rows)
@@ -346,6 +348,7 @@ def moved_by_shares(shares: Sequence[arb], drifting: Sequence[int], size: int) -
     """
     count = size + len(drifting)
     rows = [[arb(0)] * count for _ in range(count)]
+    # x1 = x_c + m2/M r, x2 = x_c - m1/M r, and the same for velocities.
     for body, share in ((0, shares[1]), (1, -shares[0])):
         for i in drifting:
             row = rows[body * len(drifting) + i]

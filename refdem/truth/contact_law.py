@@ -39,7 +39,7 @@ def dashpot(
     decay = -logarithm(restitution)
     if is_zero(decay):
         return Fraction(0)
-    # Where both begin, at e = 1, they have the same derivative.
+    # At e = 1 both laws have c = 0 and dc/dD = (2/pi) sqrt(m k).
     if ends_with_overlap or restitution == 1:
         return 2 * decay * root(mass * stiffness / (pi() ** 2 + decay**2))
     if not decay < 2:
@@ -84,12 +84,14 @@ def damping_cosine_slope(square: arb) -> arb:
     """
     angle = square.sqrt()
     sine = angle.sin()
+    # sin(alpha)/(2 alpha h'(z)) = sin^3(alpha)/(2 alpha - sin(2 alpha))
     return sine**3 / (2 * angle - (2 * angle).sin())
 
 
 def shortfall(square: arb) -> arb:
     """The function h(z) = 2 - 2 sqrt(z) cot sqrt(z) of `damping_cosine` at z = `square`."""
     angle = square.sqrt()
+    # sqrt(z) cot sqrt(z) = cos(alpha)/sinc(alpha), with alpha = sqrt(z).
     return 2 - 2 * angle.cos() / angle.sinc()
 
 

@@ -161,6 +161,7 @@ class ContactMotion(Followed):
             in_flight = self.free_rates(name, state)
             closing = self.traced.closing[name][0].run(state)[0]
             by_overlap = self.traced.overlap_gradient.run(state)
+            # 1 + (f - f_0) (grad a)^T/u, with the overlap a, u = da/dt.
             rows = [
                 [(acts - flies) * slope / closing for slope in by_overlap]
                 for acts, flies in zip(in_contact, in_flight, strict=True)
@@ -182,6 +183,7 @@ class ContactMotion(Followed):
         along_friction = Program(traced(phases.by_friction, size)[0]).run(state)
         by_state = traced_map(single(phases.slip), size)[1].run(state)
         rate = sum((a * b for a, b in zip(by_state, along_friction, strict=True)), arb(0))
+        # 1 - d (grad s)^T/(grad s . d): an error of the slip s is taken back along d.
         rows = [[d * slope / rate for slope in by_state] for d in along_friction]
         return unit_matrix(size) - arb_mat(rows)
 
@@ -189,6 +191,8 @@ class ContactMotion(Followed):
         """The rates of a state in the coordinates of a mode of contact if nothing acted: places
         move with the velocities, and the clock goes.
         """
+        # (d place/d state)^-1 times the rates of `place`: positions move with v, velocities and
+        # spins are constant, the clock has the rate 1.
         place = self.traced.place(name, state)
         directions = self.traced.phases.directions
         rates = [arb(0)] * len(place)
@@ -206,6 +210,7 @@ class ContactMotion(Followed):
         closing_at_end, _ = self.traced.closing[self.name(last)]
         closing_at_touch, _ = self.traced.closing[self.name(first)]
         with precision(self.bits + GUARD):
+            # e = -u(end)/u(touch), with the closing speed u.
             parting_speed = -closing_at_end.run(states_at_end)[0]
             ratio: arb = parting_speed / closing_at_touch.run(first.entered)[0]
             return ratio
@@ -261,6 +266,8 @@ class ContactMotion(Followed):
         force = self.traced.force.run
         with precision(self.bits + GUARD):
             start = self.phases[0].entered
+            # F is largest at touch if F' <= 0 there, otherwise at the first zero of F'; that is
+            # proved where F' has no further zero while the force presses.
             rate_at_touch = self.traced.steepening["press"][0].run(start)[0]
             if sign(rate_at_touch, "dF/dt at touch") > 0:
                 largest = None

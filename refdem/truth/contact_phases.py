@@ -152,6 +152,7 @@ class LinearContact(ABC):
         self.eps = self.length / pair.reach
         self.bend = [pair.lever * self.length / radius for radius in pair.radii]
         self.torque_bend = [pair.lever_of_torque * self.length / radius for radius in pair.radii]
+        # K = k T^2/m, C = c T/m, Kt = k_t T^2/m
         self.k = pair.stiffness * self.time**2 / m
         self.c = pair.damping * self.time / m
         self.kt = spring * self.time**2 / m
@@ -220,6 +221,7 @@ class PlanarPhases(LinearContact):
 
     def falling(self, y: State) -> Any:
         """The rate of change u' = -F - eps w^2/r^3 of the closing speed."""
+        # u' = -F - eps w^2/r^3, r = 1 - eps a
         inverse_r = 1 / (1 - y[0] * self.eps)
         return -self.force(y) - y[3] * y[3] * inverse_r * inverse_r * inverse_r * self.eps
 
@@ -239,6 +241,7 @@ class PlanarPhases(LinearContact):
         first, second = self.levers(y)
         first_torque, second_torque = self.torque_levers(y)
         by_closing = y[3] / (r * r) * self.eps + y[4] * self.bend[0] + y[5] * self.bend[1]
+        # g = -u (eps w/r^2 + b_1 o_1 + b_2 o_2)/(1 + l_1 L_1 mu_1 + l_2 L_2 mu_2)
         turned = first * first_torque * self.ease[0] + second * second_torque * self.ease[1]
         inertia = 1 + turned
         return -y[1] * by_closing / inertia
@@ -350,6 +353,7 @@ class PlanarPhases(LinearContact):
         From the zero of `lag` on the spring's force stays below its limit. There both are equal,
         and so are their rates: the guard of the slip vanishes to the second order.
         """
+        # s = sigma mu F/(2 Kt)
         stretch = self.friction * side / (2 * self.kt)
         return Entry(
             "stick",

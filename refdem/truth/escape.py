@@ -66,5 +66,6 @@ class Repulsion:
         n = self.power
         stiffness = arb_of(max(self.stiffness, Fraction(0)))
         damping = arb_of(max(self.damping, Fraction(0)))
+        # w+ z^(1-n) + F z^(-n) + 2 d+ a z^((1-n)/2)
         resisting = stiffness / z ** (n - 1) + arb_of(self.force) / z**n + 2 * damping * a / root
         return bool(arb_of(self.strength) - resisting > a * a * (n + 1) / 2)

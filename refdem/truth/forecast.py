@@ -181,7 +181,7 @@ class Course:
         marks = self.cycle_entries() or self.thin()
         last = replace(marks[-1], time=self.clock(marks[-1].time))
         middle = (self.clock(marks[0].time) + last.time) / 2
-        # Marks rise in time, and their times by the clock do too.
+        # The marks are in rising order of time, and of their times by the clock.
         number = bisect_right(marks, middle, key=lambda mark: self.clock(mark.time))
         half = marks[max(0, number - 1)]
         return replace(half, time=self.clock(half.time)), last
@@ -212,6 +212,7 @@ class Course:
         made = self.marks[-1].pieces - self.marks[0].pieces
         if passed > 0 and made >= PIECES:
             swelled = self.swelling(last.time) - self.swelling(half.time)
+            # The growth per unit of the clock, less that of an existing error.
             growth = (last.radius - half.radius - swelled) / passed
         if ahead > 0:
             growth += (self.swelling(t) - self.swelling(last.time)) / ahead
@@ -241,7 +242,7 @@ class Course:
         work = max(0.0, self.pieces_to(end) - self.pieces_since())
         chance = 1.0
         for _ in range(TRIES):
-            # A set is thinner by the bits that are more.
+            # log2 of the radius is smaller by the number of additional bits.
             thinner = bits - self.bits
             ends = self.time_of(TOO_LARGE + thinner, t) < t
             lacking = self.radius_at(t) - thinner - target
@@ -263,6 +264,7 @@ class Course:
         be lacking at t: rising from 0 to 1 where the two differ by no more than the forecast does.
         """
         last = self.later_half()[1]
+        # (1 + lacking/unsure)/2, between 0 and 1.
         unsure = UNSURE + UNSURE_PART * abs(self.radius_at(t) - last.radius)
         return min(1.0, max(0.0, (1.0 + lacking / unsure) / 2))
 

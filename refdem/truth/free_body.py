@@ -183,6 +183,7 @@ class Axisymmetric(FreeBody):
         """omega (3) [rad/s] at t: that of the start, turned about the body's own axis by -rate
         t.
         """
+        # omega(t) = R(-rate t) omega(0), about the own axis.
         backwards = matrix(turn(_unit(self.axis), -self.rate * t))
         return applied(backwards, [arb_of(w) for w in self.start.omega])
 
@@ -245,6 +246,7 @@ class Nodal(FreeBody):
         F(0)^T takes those at 0 to body axes at 0.
         """
         phi = self.nodes(t)
+        # Z(phi), a turn about the third axis, which is along M.
         turn_about_momentum = [
             [phi.real, -phi.imag, arb(0)],
             [phi.imag, phi.real, arb(0)],
@@ -265,6 +267,7 @@ class Nodal(FreeBody):
         across = sum((momentum[i] * momentum[i] for i in AXES if i != k), arb(0)).sqrt()
         length = self.start.length
         along = [x / length for x in momentum]
+        # (e_k - (e_k . m) m) L/A: -m_k M_i/A for i != k, and A/L for k.
         first = [-along[k] * momentum[i] / across for i in AXES]
         first[k] = across / length
         return [first, cross(along, first), along]
@@ -410,8 +413,8 @@ class Elliptic(Nodal):
     def squares(self) -> tuple[Any, Any, Any]:
         """The squares A^2, B^2 and C^2, exact if the start is."""
         g_other, g_mid, g_axis = (1 / self.start.inertia[i] for i in self.axes)
-        # 2 E - L^2 g_c = M_a^2 (g_a - g_c) + M_2^2 (g_2 - g_c), with g = 1/J, is kept: A^2 is M_a^2
-        # where M_2 = 0, B^2 is M_2^2 where M_a = 0.
+        # 2 E - L^2 g_c = M_a^2 (g_a - g_c) + M_2^2 (g_2 - g_c), with g = 1/J, is conserved: A^2 is
+        # M_a^2 where M_2 = 0, and B^2 is M_2^2 where M_a = 0.
         conserved = self.start.twice_energy() - self.start.l2 * g_axis
         a2 = conserved / (g_other - g_axis)
         b2 = conserved / (g_mid - g_axis)
@@ -484,6 +487,7 @@ class Elliptic(Nodal):
     def drift(self) -> arb:
         """nu = L/J_a -+ z u' [rad/s] of the module's formula, with Z(i a) = i z."""
         zeta = self.jacobi.zeta_on_imaginary_axis(self.imaginary)
+        # nu = L/J_a - sense z u'
         uniform = self.start.length / arb_of(self.start.inertia[self.other])
         return uniform - self.sense * zeta * self.rate
 
@@ -526,6 +530,7 @@ class Elliptic(Nodal):
         """The largest |omega|: |omega|^2 is linear in sn^2, and so largest where sn^2 is 0 or 1."""
         other, mid, axis = (arb_of(self.start.inertia[i]) for i in self.axes)
         a2, b2, c2 = self.squares
+        # |omega|^2 = M_a^2/J_a^2 + M_2^2/J_2^2 + M_c^2/J_c^2, at (sn, cn) = (0, 1) and (1, 0).
         square_at_sn_0 = arb_of(a2) / other**2 + arb_of(c2) / axis**2
         square_at_sn_1 = arb_of(b2) / mid**2 + arb_of(self.start.l2 - b2) / axis**2
         return arb.max(square_at_sn_0, square_at_sn_1).sqrt()

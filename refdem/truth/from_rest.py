@@ -61,9 +61,11 @@ def derivative_from_rest(form: FromRest, t: Fraction) -> arb_mat:
     """The derivative (2, 2) of x and v at t by those at the start, all in scales: columns by
     amplitude and by speed. It is the method `jacobian` of a closed form.
     """
+    # d(x, v)(t)/dA = ((x, v)(t; A + d) - (x, v)(t; A - d))/(2 d), d = DISPLACEMENT scales of x.
     changes = scaled_changes(form, 0, arb_of(t))
     by_amplitude = [change / arb_of(2 * DISPLACEMENT) for change in changes]
     scale_of_v = arb_of(form.scale["v"])
+    # The derivative by v(0), of a quantity q in scales: dq/dv(0) scale(v)/scale(q).
     by_speed = [
         rate * scale_of_v / arb_of(form.scale[name])
         for name, rate in zip(form.state, form.rates(t), strict=True)

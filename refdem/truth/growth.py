@@ -541,6 +541,7 @@ class Growth:
         middles, radii = split(answers, len(slack))
         middle_norms = self.norm.read(middles)
         radius_norms = self.norm.read(radii)
+        # |M X| (1 + slack), with |M X| <= |midpoints| + |radii|.
         by_cell = (middle_norms + radius_norms) * (1 + slack)
         bound = float(by_cell.max(initial=0.0)) * UPWARDS
         if not float(radius_norms.max(initial=0.0)) <= MAX_ROUNDING_PART * bound:

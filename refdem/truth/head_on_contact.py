@@ -79,6 +79,7 @@ class HeadOnContact:
         else:
             cosine = arb(1)
             sine = t
+        # d = v exp(-b t) s, d' = v exp(-b t) (c - b s)
         amplitude = self.speed * (-self.decay * t).exp()
         return amplitude * sine, amplitude * (cosine - self.decay * sine)
 
@@ -105,6 +106,7 @@ class HeadOnContact:
         """
         if self.regime == 0:
             return count / self.decay
+        # t = artanh(W/b)/W = ln((b + W)/(b - W))/(2 W)
         logarithm = ((self.decay + self.rate) / (self.decay - self.rate)).log()
         return logarithm / self.rate * count / 2
 

@@ -35,6 +35,7 @@ def two_f_one(a: arb, b: arb, c: arb, z: arb) -> arb:
     ratio = Ratio(ball(a), ball(b), ball(c), ball(z))
     value: arb = ratio.z.hypgeom_2f1(ratio.a, ratio.b, ratio.c)
     parts = []
+    # d 2F1(a, b; c; z)/dz = (a b/c) 2F1(a + 1, b + 1; c + 1; z)
     if slopes_of(z):
         raised = ratio.z.hypgeom_2f1(ratio.a + 1, ratio.b + 1, ratio.c + 1)
         parts.append((ratio.a * ratio.b / ratio.c * raised, z))
@@ -70,6 +71,7 @@ class Ratio:
             return (self.b + n) / below * self.z
         if which == "b":
             return (self.a + n) / below * self.z
+        # 1/(c + n) has the derivative -1/(c + n)^2.
         return -self.at(n) / (self.c + n)
 
     def bound(self, which: Which, n: int) -> tuple[arb, arb]:
@@ -80,6 +82,7 @@ class Ratio:
         """
         over_c = 1 + abs_upper(self.a - self.c) / (self.c + n)
         over_one = 1 + abs_upper(self.b - 1) / (n + 1)
+        # The derivative is the ratio without its factor a + n or b + n, or the ratio over -(c + n).
         size = abs_upper(self.z)
         if which == "a":
             slope = over_one / (self.c + n)
@@ -127,5 +130,6 @@ def remainder(ratio: Ratio, which: Which, n: int, term: arb, slope: arb) -> arb 
     left = 1 - largest
     if not left > 0:
         return None
+    # |T'_n|/(1 - r) + l |T_n|/(1 - r)^2, the bound of the theorem with N = n.
     size = abs_upper(slope) / left + change * abs_upper(term) / (left * left)
     return arb(0, abs_upper(size))

@@ -222,6 +222,7 @@ class ImpactList:
                 waits.append((wait, encounter))
         if not waits:
             return None
+        # The shortest wait, compared exactly, and all encounters that have it.
         first = waits[0][0]
         for wait, _ in waits:
             if sign(wait - first) < 0:
@@ -419,6 +420,7 @@ class ImpactSequence(ClosedForm):
             )
         size = Norm([1] * len(self.state))
         step = narrow(self.rate_of_flight())
+        # S is the largest one of all 2^kinks choices of sides.
         choices: list[Grows] = []
         for sides in product([False, True], repeat=kinks):
             choices.append(Growth(self.stretches(sides), size, step=step))
@@ -454,6 +456,7 @@ class ImpactSequence(ClosedForm):
 
         def flight(t: arb) -> arb_mat:
             derivative = unit_matrix(count)
+            # dr(t) = dr(0) + t dv(0), in scales.
             for place, speed, ratio in moving:
                 derivative[place, speed] = t * ratio
             return derivative
@@ -497,7 +500,7 @@ class ImpactSequence(ClosedForm):
         derivative = arb_mat([list(number.slopes) for number in parted])
         time_slopes = time_slopes_of(encounter, meeting)
         gravity = self.gravity()
-        # 1 + f- tau, then Xi.
+        # Xi = DP (1 + f- tau) - f+ tau
         moved = unit_matrix(count) + outer(rates(meeting, gravity), time_slopes)
         after = rates(motions([number.value for number in parted]), gravity)
         raw = derivative * moved - outer(after, time_slopes)
@@ -545,6 +548,7 @@ def work_lost(encounter: Encounter, states: Sequence[Motion], *, is_cut: bool) -
     normal_mass = impact.normal_factor / (1 + e)
     tangential_mass = impact.stopping / arb_of(1 + encounter.impact.tangential_restitution)
     left = 1 - k / tangential_mass
+    # (1 - e^2) m_n c^2/2 and (1 - (1 - k/m_t)^2) m_t s^2/2
     lost_along = normal_mass * closing * closing * (1 - e * e) / 2
     lost_across = tangential_mass * slip_squared * (1 - left * left) / 2
     return arb(lost_along + lost_across)
@@ -557,6 +561,7 @@ def time_slopes_of(encounter: Encounter, meeting: Sequence[Motion]) -> list[arb]
     closing, _ = impact.approach(normal, meeting)
     slopes = [arb(0)] * (OF_BODY * len(meeting))
     for number in range(len(meeting)):
+        # dt = n . (dr2 - dr1)/c: the sign is -1 for the first body, 1 for the second one.
         side = 2 * number - 1
         for axis in range(3):
             slopes[OF_BODY * number + axis] = normal[axis] * side / closing

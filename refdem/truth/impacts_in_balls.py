@@ -127,6 +127,7 @@ class _ListOfPrecision:
             return
         if not self.coming:
             raise GrazingError(next(iter(self.doubtful.values())))
+        # This moment is proved to be the next one if its ball of times lies before all others.
         number = self.earliest()
         time = self.coming[number]
         encounter = self.encounters[number]
@@ -139,6 +140,7 @@ class _ListOfPrecision:
                 f" which no ball tells which is the first, near t = {time.str(8)} s",
                 code="corner",
             )
+        # A pair that may pass each other does not matter if it cannot meet before this moment.
         for earliest in self.doubtful.values():
             if not time < earliest:
                 raise GrazingError(earliest)

@@ -49,6 +49,7 @@ class Jacobi:
         v = acb((u - 2 * self.k * half_turns) / (2 * self.k))
         slope = acb.modular_theta(v, self.tau, 1)[3].real
         value = acb.modular_theta(v, self.tau)[3].real
+        # E(u) = Z(u) + (E/K) u, Z = Theta'/Theta, and dv/du = 1/(2K).
         return slope / value / (2 * self.k) + self.complete_e() / self.k * u
 
     def sn_cn_dn(self, u: arb) -> tuple[arb, arb, arb]:

@@ -138,11 +138,13 @@ class CentralGrowth:
         angle = moment.rate * moment.half
         if not angle < FARTHEST:
             return arb(inf)
-        # In units of time the rows of M^-1 have the ratio of the scales.
+        # With p and q in the scales X of positions and V of velocities the theorem on cells has
+        # w X/V in the place of w, but for w h.
         rate = moment.rate * self.ratio
         # cosh(w h) - 1 = 2 sinh^2(w h/2), without its cancellation.
         cosh_less_1 = 2 * sinh(angle / 2) ** 2 * UPWARDS
         sinh_angle = sinh(angle) * UPWARDS
+        # p (cosh w h - 1) + q w sinh w h, and q (cosh w h - 1) + p sinh(w h)/w.
         place_change = place * cosh_less_1 + speed * rate * sinh_angle
         speed_change = speed * cosh_less_1 + place * (sinh_angle / rate)
         return (place_change + speed_change) * UPWARDS

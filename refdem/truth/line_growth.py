@@ -17,6 +17,7 @@ def linear(stiffness: arb, sense: int, ratio: arb, t: arb) -> arb_mat:
     c]].
     """
     if sense == 0:
+        # Free flight: dx(t) = dx(0) + t dv(0), and scale(v)/scale(x) = 1/ratio.
         return arb_mat([[arb(1), t / ratio], [arb(0), arb(1)]])
     rate = stiffness.sqrt()
     if sense < 0:
@@ -27,6 +28,7 @@ def linear(stiffness: arb, sense: int, ratio: arb, t: arb) -> arb_mat:
         odd = (rate * t).sinh()
     # w in units of 1/ratio.
     scaled_rate = rate * ratio
+    # [[c, s/w], [sense w s, c]], with w in these units.
     return arb_mat([[even, odd / scaled_rate], [sense * scaled_rate * odd, even]])
 
 
@@ -40,6 +42,8 @@ def homogeneous(x: arb, v: arb, a: arb, since: arb, power: arb, ratio: arb) -> a
     u at touch p = 2/(n + 1); for the amplitude it is 1/p of that error.
     """
     shift = (1 - power) * since
+    # Columns (v, a) and (p x + (1 - p) s v, v + (1 - p) s a), in units of the scale of v. The
+    # second one is u d/du of x = u^p X(u^(1 - p) s) and of its rate v = u X'(u^(1 - p) s).
     return arb_mat([[v / ratio, (power * x + shift * v) / ratio], [a, v + shift * a]])
 
 
@@ -47,4 +51,5 @@ def steepness(slope: arb, ratio: arb) -> float:
     """A bound of the norm, in scales, of the Jacobian [[0, 1], [f', 0]] of x'' = f(x) with |f'| <=
     slope.
     """
+    # In scales the Jacobian is [[0, 1/ratio], [f' ratio, 0]]; its norm is the largest row sum.
     return most([1 / ratio, slope * ratio])

@@ -64,6 +64,7 @@ class MidpointRadius:
 
     def __mul__(self, other: "MidpointRadius") -> "MidpointRadius":
         """The product entry by entry, with the bound r (|B| + s) + |A| s and its rounding."""
+        # r (|B| + s) + |A| s + 2^-52 |fl(A B)| + 2^-1022, entry by entry.
         middle = self.midpoint * other.midpoint
         inexact = self.radius * (other.size + other.radius) + self.size * other.radius
         return MidpointRadius(middle, inexact + UNIT * np.abs(middle) + TINIEST)

@@ -162,6 +162,7 @@ class MindlinSpring:
         # d = d_m w^(2/5) with w = 1 - x^2.
         w = 1 - x * x
         overlap = largest * w ** _ratio(2, 5)
+        # d' = -4/5 x d/w, d'' = -4/5 (d/w) (1 + 6/5 x^2/w)
         first = -_ratio(4, 5) * x * overlap / w
         second = -_ratio(4, 5) * overlap / w * (1 + _ratio(6, 5) * x * x / w)
         return overlap, first, second
@@ -206,6 +207,7 @@ class Stretched:
 def started(spring: MindlinSpring, leg: int, x: arb, s: arb, rate: arb) -> Stretched:
     """The solution on a leg with the stretch `s` [m] and its `rate` [m/s] at x."""
     f, g, df, dg = spring.basis(leg, x)
+    # ds/dx = (ds/dt)/(dx/dt)
     slope = rate / spring.pace(leg, x)
     # Cramer's rule for first f + second g = s, first f' + second g' = slope.
     wronskian = f * dg - g * df

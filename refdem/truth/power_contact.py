@@ -174,11 +174,13 @@ def root(value: Callable[[arb], arb], slope: Callable[[arb], arb], goal: arb, le
     residual = aim
     for _ in range(60):
         step = (residual / slope(x)).mid()
+        # x <- x + (goal - value(x))/slope(x)
         x = (x + step).mid()
         before = residual
         residual = (aim - value(x)).mid()
         is_small = abs(step) <= abs(x) * arb(2) ** -20
         if residual == 0 or (is_small and abs(residual) >= abs(before)):
             break
+    # |x - root| <= |goal - value(x)|/least, and d root/d goal = 1/slope(root).
     enclosed = x + arb(0, ((aim - value(x)) / least).abs_upper())
     return carried(enclosed, (1 / slope(enclosed), goal))

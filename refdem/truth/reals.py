@@ -221,7 +221,7 @@ class Root(Real):
 
     def __pow__(self, power: int) -> Any:
         """The whole power, which is rational where `power` is even."""
-        # sqrt(square)^(2 half + odd) = square^half sqrt(square)^odd.
+        # (side sqrt(square))^(2 half + odd) = square^half (side sqrt(square))^odd, as side^2 = 1.
         half, odd = divmod(power, 2)
         even_power = self.square**half
         if odd:

@@ -61,6 +61,7 @@ class RigidCollision:
         closing, slip = impact.approach(normal, states)
         is_cut = moment.sides[0] > 0
         k = impact.tangential_factor(closing, slip, is_cut=is_cut)
+        # p = (1 + e) m_n c and k |s|, the parts of P = -p n - k s (rigid_impact.py).
         return {
             "impact_time": arb_of(moment.time),
             "normal_impulse": impact.normal_impulse(closing),

@@ -132,6 +132,7 @@ class Impact:
         """
         if self.is_smooth:
             return -1
+        # (k |s|)^2 - (mu p)^2 with k = (1 + b) m_t, p = (1 + e) m_n g.n.
         needed = dot(slip, slip) * self.stopping**2
         limit = closing * (self.friction * self.normal_factor)
         return sign(needed - limit * limit)
@@ -148,6 +149,7 @@ class Impact:
             return self.stopping * 0
         if not is_cut:
             return self.stopping
+        # k |s| = mu p
         return self.normal_impulse(closing) * self.friction / length(slip)
 
     def parted(self, normal: Vector, states: Sequence[Motion], *, is_cut: bool) -> list[Motion]:
@@ -159,6 +161,7 @@ class Impact:
         closing, slip = self.approach(normal, states)
         p = self.normal_impulse(closing)
         k = self.tangential_factor(closing, slip, is_cut=is_cut)
+        # P = -p n - k s; each omega changes by (R/J) n x P.
         impulse = [-(n * p) - s * k for n, s in zip(normal, slip, strict=True)]
         moment = cross(normal, impulse)
         signs = (1, -1)
@@ -179,7 +182,7 @@ def impact_of(bodies: Sequence[RoundBody], law: ImpactLaw) -> Impact:
     turning = [1 / (body.inertia_factor * body.mass) for body in bodies]
     normal_mass = 1 / sum(inverse_masses, Fraction(0))
     tangential_mass = 1 / sum([*inverse_masses, *turning], Fraction(0))
-    # The impulses that reverse their shares e and b: (1 + e) m_n and (1 + b) m_t.
+    # Impulses (1 + e) m_n g.n and (1 + b) m_t s: the closing speed becomes -e g.n, the slip -b s.
     normal_factor = (1 + law.restitution) * normal_mass
     stopping = (1 + law.tangential_restitution) * tangential_mass
     # R/J = 1/(f m R).

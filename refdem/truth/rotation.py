@@ -39,6 +39,7 @@ def turn(axis: Vector, angle: arb) -> list[arb]:
 def matrix(q: Vector) -> list[list[arb]]:
     """The matrix of a unit quaternion, body to space."""
     w, x, y, z = q
+    # R = 1 + 2 w [u]x + 2 [u]x^2 with u = (x, y, z), [u]x a = u x a, and w^2 + u^2 = 1.
     first = [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)]
     second = [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)]
     third = [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)]
@@ -55,11 +56,15 @@ def quaternion(r: Matrix) -> list[arb]:
     trace = r[0][0] + r[1][1] + r[2][2]
     squares = [(1 + trace) / 4, *((1 + 2 * r[i][i] - trace) / 4 for i in range(3))]
     number = max(range(4), key=lambda i: float(squares[i].mid()))
+    # The vector of R - R^T, which is 4 w (x, y, z).
     antisymmetric = [r[2][1] - r[1][2], r[0][2] - r[2][0], r[1][0] - r[0][1]]
     largest = squares[number].sqrt()
+    # w is the largest component: w^2 = (1 + tr R)/4, q_i = (R - R^T)_i/(4 w).
     if number == 0:
         return [largest, *(s / (4 * largest) for s in antisymmetric)]
     i = number - 1
+    # q_i is the largest component: q_j = (R_ij + R_ji)/(4 q_i) for j != i, and
+    # w = (R - R^T)_i/(4 q_i).
     vector = [(r[i][j] + r[j][i]) / (4 * largest) for j in range(3)]
     vector[i] = largest
     return [antisymmetric[i] / (4 * largest), *vector]

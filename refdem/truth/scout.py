@@ -90,6 +90,8 @@ class Scout:
     def gap_after(self, following: Sequence[arb], length: float) -> list[arb]:
         """The displacement of the neighbour at the end of a step, in units of 2^NEAR."""
         unit = arb(2) ** NEAR
+        # The neighbour begins at y + 2^NEAR gap; the new gap is the difference of the two ends over
+        # 2^NEAR.
         beside = [(value + gap * unit).mid() for value, gap in zip(self.y, self.gap, strict=True)]
         arrived = self.moved_on(taylor(self.field, beside, ORDER), length)
         return [((a - b) / unit).mid() for a, b in zip(arrived, following, strict=True)]
@@ -143,6 +145,7 @@ class Scout:
                 return 0.0
             sizes += [0.0] * (ORDER + 1 - len(sizes))
             self.fastest[i] = max(self.fastest[i] * FADING, sizes[1])
+            # (|c_1|/(n |c_n|))^(1/(n - 1)), with the largest |c_1| of late.
             radii += [
                 (self.fastest[i] / (n * sizes[n])) ** (1 / (n - 1))
                 for n in (ORDER - 1, ORDER)

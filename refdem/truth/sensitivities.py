@@ -207,7 +207,7 @@ def at_times(
     try:
         return [truth.derivatives(t, len(numbers)) for t in times]
     except TypeError as error:
-        # A dual number has met a function for which it has no rule.
+        # A dual number was passed to a function for which it has no rule of differentiation.
         raise NotCertifiedError(
             f"derivatives of this truth by its parameters are not certified yet: {error}"
         ) from None
@@ -280,7 +280,8 @@ def unbracketed(
         return missing
     steps = {}
     for k, number in enumerate(numbers):
-        # No two numbers by the same part of themselves, so that errors do not cancel.
+        # Step k of n is |x_k| (1 + k/(7 + n)), with 1 for |x_k| = 0: no two numbers change by the
+        # same part of themselves, so that errors do not cancel.
         steps[number] = (abs(number.of(p)) or Fraction(1)) * (1 + Fraction(k, 7 + len(numbers)))
     together = {number: step for number, step in steps.items() if number.of(p) != 0}
     unclear: list[int] = []
@@ -324,6 +325,7 @@ def disagreements(
         }
         expected_at.append(expected_of)
         growth = max([growth, *(ceil(abs(ball.mid)) for ball in expected_of.values())])
+    # A distance smaller by `growth` loses log10(growth) digits, about a third of its bits.
     distance = DISTANCE / growth
     digits = DIGITS + growth.bit_length() // 3
     far = Differences(make, p, direction, distance, digits)
@@ -349,6 +351,7 @@ def disagreement(
             continue
         apart = abs(far[quantity].mid - near[quantity].mid)
         rounding = far[quantity].radius + near[quantity].radius + expected.radius
+        # |D - Q(h/2)| > SPARE (|Q(h) - Q(h/2)| + radii), Q(h) being the difference quotient.
         if abs(expected.mid - near[quantity].mid) > SPARE * (apart + rounding):
             seen = float(near[quantity].mid / direction.unit)
             computed = float(expected.mid / direction.unit)
@@ -409,5 +412,6 @@ class Differences:
             ball = above[name]
             other = below[name]
             radius = (ball.radius + other.radius) / abs(width)
+            # (f(upper) - f(lower))/(upper - lower); the radii of both values add.
             quotients[name] = Ball((ball.mid - other.mid) / width, radius)
         return quotients

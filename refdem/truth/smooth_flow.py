@@ -61,6 +61,7 @@ def derivative_by_start(form: Displaceable, t: Fraction) -> arb_mat:
     """d quantity_i(t)/scale_i over d start_j/scale_j by central differences, with `state` as the
     first rows: the method `jacobian` of a closed form whose state is among its quantities.
     """
+    # dq_i/dy_j = (q_i(t; y + d e_j) - q_i(t; y - d e_j))/(2 d), d = DISPLACEMENT scales of y_j.
     columns = [scaled_changes(form, axis, arb_of(t)) for axis in range(len(form.state))]
     rows = [[column[i] for column in columns] for i in range(len(columns[0]))]
     return arb_mat(rows) / arb_of(2 * DISPLACEMENT)

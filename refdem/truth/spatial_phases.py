@@ -144,6 +144,7 @@ class SpatialPhases(LinearContact):
                 tangential: Vector = friction(y)
             else:
                 tangential = [0, 0, 0]
+            # v' = -F n + f, o_i' = L_i mu_i n x f; `ease` has mu_i.
             acceleration = [f - n * force for f, n in zip(tangential, normal, strict=True)]
             torque = cross(normal, tangential)
             spin_rates = [
@@ -164,6 +165,7 @@ class SpatialPhases(LinearContact):
 
     def stretching(self, y: State) -> list[Any]:
         """The rate s' = slip - (s.n') n (3) at which the tangential spring stretches."""
+        # s' = slip - (s . n') n, so that s stays at right angles to n.
         along_normal = dot(y[12:15], self.turning(y))
         return [w - n * along_normal for w, n in zip(self.slip(y), self.normal(y), strict=True)]
 
@@ -175,6 +177,7 @@ class SpatialPhases(LinearContact):
         e = y[12:15]
         slip_along_e = dot(slip, e)
         along_normal = dot(e, self.turning(y))
+        # e' = Kt/(mu F) (slip - (slip . e) e) - (e . n') n
         rate = self.kt / self.friction / self.force(y)
         return [
             (w - x * slip_along_e) * rate - n * along_normal

@@ -42,6 +42,7 @@ class Surd(Enclosed):
         second = sign_of(self.factor) * sign_of(self.square)
         if first * second >= 0:
             return sign_of(first + second)
+        # a^2 - b^2 q
         larger = self.rational**2 - self.factor**2 * self.square
         return first * sign_of(larger)
 

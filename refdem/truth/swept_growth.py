@@ -79,6 +79,7 @@ def largest_growth(spans: Sequence[Span]) -> float:
         if not waiting:
             return attained
         minus_largest, _, span_of_largest = heappop(waiting)
+        # attained <= S <= largest bound <= (1 + WIDEST) attained
         if -minus_largest <= (1 + WIDEST) * attained:
             return bounded(-minus_largest)
         fresh = span_of_largest.halves()

@@ -100,7 +100,7 @@ class Node:
         other = self.trace.constant(other)
         a = self.exact()
         b = other.exact()
-        # Sums of constants are made at once, and zeros left out.
+        # The sum of two constants is a constant, and a + 0 = a needs no operation.
         if a is not None and b is not None:
             return self.trace.constant(a + b)
         if is_just(a, 0):
@@ -209,7 +209,7 @@ def slope(node: Node, by: int) -> Node:
             factor, argument = operands
             trace.slopes[key] = slope(Node(trace, argument), by) * factor
         else:
-            # An operation of one operand has it as a and as b.
+            # a is the first operand and b the last one: they are the same in an operation of one.
             a = Node(trace, operands[0])
             b = Node(trace, operands[-1])
             trace.slopes[key] = SLOPES[kind](node, a, slope(a, by), b, slope(b, by))
@@ -219,9 +219,11 @@ def slope(node: Node, by: int) -> Node:
 SLOPES: dict[str, Callable[..., Node]] = {
     "+": lambda node, a, da, b, db: da + db,
     "*": lambda node, a, da, b, db: da * b + a * db,
+    # q = a/b: dq = (da - q db)/b
     "/": lambda node, a, da, b, db: (da - node * db) / b,
     "sin": lambda node, a, da, *_: a.cos() * da,
     "cos": lambda node, a, da, *_: -a.sin() * da,
+    # e = exp(a): de = e da, and s = sqrt(a): ds = da/(2 s)
     "exp": lambda node, a, da, *_: node * da,
     "sqrt": lambda node, a, da, *_: da / (node * 2),
 }

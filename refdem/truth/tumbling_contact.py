@@ -63,6 +63,7 @@ class Slope:
         body = BodyState(self, y)
         # The angle as a number of the trace, which has sin and cos.
         angle = y[0] * 0 + self.slope
+        # The weight m g (sin(slope), 0, -cos(slope)).
         force: list[Any] = [
             angle.sin() * self.gravity * self.mass,
             0,
@@ -71,6 +72,7 @@ class Slope:
         torque: list[Any] = [0, 0, 0]
         for corner in sorted(pressing):
             corner_force = forces.get(corner) or body.force_on(corner)
+            # L' = sum of s x F, m v' = weight + sum of F, over the corners that press.
             corner_torque = cross(body.arm(corner), corner_force)
             force = [a + b for a, b in zip(force, corner_force, strict=True)]
             torque = [a + b for a, b in zip(torque, corner_torque, strict=True)]
@@ -143,6 +145,7 @@ class BodyState:
         if not self.system.friction:
             return [0, 0, pressure]
         x, y, _ = self.velocity(corner)
+        # F = N (-mu u_x/|u_t|, -mu u_y/|u_t|, 1), u_t = (u_x, u_y)
         friction_per_speed = pressure * self.system.friction / (x * x + y * y).sqrt()
         return [-friction_per_speed * x, -friction_per_speed * y, pressure]
 

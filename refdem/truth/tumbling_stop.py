@@ -85,6 +85,8 @@ class Arc:
         c, s = arb(self.heading).cos(), arb(self.heading).sin()
         forward = c * slip[0] + s * slip[1]
         across = c * slip[1] - s * slip[0]
+        # |across|/forward = |tan(angle to the heading)| < sin(h) <= h, and tan is larger than its
+        # argument: so |angle| < h, for h = min(half width, 1) <= half width.
         narrow = min(self.half_width, 1.0)
         return bool(abs(across) < forward * arb(narrow).sin())
 
@@ -114,7 +116,7 @@ class Stop:
         body = BodyState(self.system, y)
         slip = body.velocity(self.corner)[:2]
         slip_rate = [along(component, rates) for component in slip]
-        # u' is affine in the force.
+        # u' = a + B f is affine in the force f on the corner: B by differentiation, a = u' - B f.
         by_force = [slope(one, SIZE + i) for one in slip_rate for i in range(3)]
         unforced = []
         for one, row in zip(slip_rate, (by_force[:3], by_force[3:]), strict=True):
@@ -132,6 +134,7 @@ class Stop:
     def sliding(self, y: State, direction: Sequence[arb]) -> Values:
         """The same where the corner presses, and slips into one of these directions."""
         pressure = self.values(y, (0, 0, 0)).pressure
+        # f = N (-mu e, 1), with the direction e of the slip.
         friction = pressure * arb_of(self.system.friction)
         return self.values(y, (-friction * direction[0], -friction * direction[1], pressure))
 
@@ -144,7 +147,7 @@ class Stop:
             slip = self.values(y, (0, 0, 0)).slip
             heading = atan2(float(slip[1].mid()), float(slip[0].mid()))
             horizon = self.horizon(y, slip, heading)
-            # What is farther away than a contact lasts is not looked for.
+            # A stop is searched for within the window sqrt(m/k), about a third of a contact.
             if not 0 < horizon < self.system.window:
                 return None
             speed = (slip[0] ** 2 + slip[1] ** 2).sqrt()
@@ -171,10 +174,12 @@ class Stop:
         """
         direction = [angle.cos(), angle.sin()]
         friction = arb_of(self.system.friction)
+        # u' = a + N (c - mu K e), with B = (K, c) by columns.
         by_pressure = []
         for row in values.by_force:
             by_pressure.append(row[2] - friction * (row[0] * direction[0] + row[1] * direction[1]))
         rate = [a + values.pressure * c for a, c in zip(values.unforced, by_pressure, strict=True)]
+        # With e = (cos(angle), sin(angle)): |u|' = e . u' and |u| angle' = (-e_y, e_x) . u'.
         fall = -(direction[0] * rate[0] + direction[1] * rate[1])
         turn = direction[0] * rate[1] - direction[1] * rate[0]
         return fall, turn
@@ -189,9 +194,11 @@ class Stop:
         if box is None:
             return None
         values = self.values(box, (0, 0, 0))
+        # e turns back into the arc: angle' < 0 at its counterclockwise end, > 0 at the other one.
         for side, angle in arc.ends():
             if not side * self.fall(values, angle)[1] < 0:
                 return None
+        # -e . u' >= d > 0 for all directions e of the arc.
         falls = [self.fall(values, angle)[0] for angle in arc.sectors()]
         if all(fall > 0 for fall in falls):
             return min(arb(fall.lower()) for fall in falls)
@@ -201,10 +208,12 @@ class Stop:
         """A box that no motion from the balls y leaves within the horizon [s] while the slip has
         directions of the arc, and in which no guard vanishes; None if none is found.
         """
+        # All times in [0, tau] as one ball.
         passed = arb(horizon / 2, horizon / 2)
         box = list(y)
         for _ in range(BOXES):
             values = self.sliding(box, arc.directions())
+            # If y + [0, tau] y'(B) lies in B, no motion from y leaves B within tau.
             reached = [value + passed * rate for value, rate in zip(y, values.rates, strict=True)]
             if not all(value.is_finite() for value in reached):
                 return None
@@ -212,6 +221,7 @@ class Stop:
                 if values.pressure > 0 and all(value > 0 for value in values.guards):
                     return box
                 return None
+            # The next box: y and y + [0, tau] WIDER y'(B).
             ways = [passed * rate * WIDER for rate in values.rates]
             box = [value.union(value + way) for value, way in zip(y, ways, strict=True)]
         return None

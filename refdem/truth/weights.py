@@ -72,6 +72,7 @@ def weighted(
         # The motion rests at 0: all coordinates count alike.
         b = b + 1
     r = ABOVE_QUICKEST * max(slowest, *np.abs(np.linalg.eigvals(matrix)))
+    # (1 - |J|/r) w = b
     weights = np.linalg.solve(np.eye(len(b)) - matrix / r, b)
     # Rounding may make a weight that should be tiny 0 or negative.
     smallest = weights[weights > 0].min() / 1024

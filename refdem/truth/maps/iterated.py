@@ -159,6 +159,7 @@ class Iterated(Guarded, Truth):
         """The derivative of iterate t by the start, in scales: the product of the steps' slopes."""
         n = whole(t)
         size = self.slope(self.state(0), self.state(1)).nrows()
+        # D(n, 0) = slope(n) ... slope(2) slope(1).
         product = arb_mat(size, size, [int(i == j) for i in range(size) for j in range(size)])
         for k in range(n):
             product = self.slope(self.state(k), self.state(k + 1)) * product
@@ -265,13 +266,17 @@ class Stepped(Guarded, ABC):
             errors = np.zeros(0)
         norm = Norm([1] * count)
         identity = np.eye(count)[None]
-        # The derivative of iterate n - 1 by itself is 1.
+        # D(n, m) = slope D(n - 1, m) with D(n - 1, n - 1) = 1, where D(n, m) is the derivative of
+        # iterate n by iterate m.
         derivatives = slope @ np.concatenate([before, identity])
+        # e_n = (q off + ROUNDING |slope|) S(n - 1) bounds what this step adds to the errors; `off`
+        # already bounds the norm of the error of the slope (growth.doubles).
         step_error = off * count + ROUNDING * float(norm(slope))
         errors = np.concatenate([errors, [step_error * self.grown[-1]]])
-        # What follows the step to iterate k + 1 is the derivative by that iterate.
+        # What follows the step to iterate k multiplies its error e_k by D(n, k), and D(n, n) = 1.
         following = np.concatenate([derivatives[1:], identity])
         with np.errstate(over="ignore", invalid="ignore"):
+            # S(n) <= max over m < n of |D(n, m)| + sum over 1 <= k <= n of |D(n, k)| e_k.
             largest = float(norm(derivatives).max()) + float((norm(following) * errors).sum())
         self.grown.append(bounded(largest))
         self.front.append((derivatives, errors))

@@ -101,6 +101,8 @@ class LogisticFlow(Iterated):
             end = self.state(n)
             first = start * (1 - start)
             last = end * (1 - end)
+            # The growth from s to t is x (1 - x) at t over x (1 - x) at s: largest for s = 0, or
+            # for s = t, where it is 1, the least S.
             if not first > 0:
                 exponent = arb_of(self.eta) * n * (1 - 2 * start)
                 return bounded(float(exponent.exp().upper()))

@@ -84,6 +84,7 @@ def corner(a: Crossings, b: Crossings) -> Fraction | None:
         j = -int(shift) * pow(p, -1, q) % q
     else:
         j = 0
+    # i = g + j p/q
     i = (int(shift) + j * p) // q
     # The smallest m with i + m p >= 0; then j + m q >= 0 too.
     if i < 0:
@@ -161,7 +162,7 @@ class Rectangle(Guarded, Truth):
                     high = middle - 1
             if low and low + other.count(wall.time(low)) == n:
                 return wall.time(low), axis
-        # Two crossings at one time, of which this is the first.
+        # Both axes cross at one time, at the corner, and crossing n is the first one of the two.
         assert self.corner is not None
         return self.corner, 0
 
@@ -187,6 +188,7 @@ class Rectangle(Guarded, Truth):
                 sign = 1
             else:
                 sign = -1
+            # x + rate t - sign c size, which is mirrored with its rate if c is odd.
             position = self.start[axis] + rate * time - sign * count * self.size[axis]
             if count % 2:
                 position = -position
@@ -229,6 +231,7 @@ class Rectangle(Guarded, Truth):
         time, axis = self.bounce(n)
         length = arb_of(self.direction[0] ** 2 + self.direction[1] ** 2).sqrt()
         flight = arb_of(time) * length / arb_of(self.scale["position.x"])
+        # Along the wall the bounce has the error (dr_t + l du_t) - (u_t/u_n) (dr_n + l du_n).
         tangent = 1 - axis
         slope = arb_of(self.direction[tangent] / self.direction[axis])
         signs = [(-1) ** wall.count(time) for wall in self.walls]

@@ -85,8 +85,8 @@ class Stadium(Stepped, Iterated):
         u, v = state.direction
         r = arb_of(self.radius)
         a = arb_of(self.half)
-        # Along x, as far as balls decide: it meets the half circle ahead if it is inside the walls
-        # where that begins.
+        # The sign of v is not decided: the path is nearly along x, and meets the half circle ahead
+        # if |y| < r where that begins, at x = side a.
         if not (v > 0 or v < 0):
             side = sign(u, "corner")
             sign(r - abs(ball(y + v * (side * a - x) / u)), "corner")
@@ -95,7 +95,7 @@ class Stadium(Stepped, Iterated):
             up = 1
         else:
             up = -1
-        # Where the path meets the line of the wall.
+        # The path meets the line y = up r of the wall at x + (up r - y) u/v.
         x_on_line = x + (up * r - y) * u / v
         if self.half == 0:
             return ARC, sign(x_on_line, "corner")
@@ -116,6 +116,7 @@ class Stadium(Stepped, Iterated):
         t = self._chord(state, piece)
         centre = side * arb_of(self.half)
         place = [x + t * u, y + t * v]
+        # n = (place - centre)/r, and u' = u - 2 (n . u) n.
         normal = [(place[0] - centre) / r, place[1] / r]
         along = normal[0] * u + normal[1] * v
         return Bounce(place, [u - 2 * along * normal[0], v - 2 * along * normal[1]], piece)
@@ -156,20 +157,21 @@ class Stadium(Stepped, Iterated):
         else:
             n = [(after.place[0] - side * arb_of(self.half)) / r, after.place[1] / r]
         along = n[0] * u[0] + n[1] * u[1]
+        # t = (r' - r) . u, as u is a unit vector.
         t = (after.place[0] - state.place[0]) * u[0] + (after.place[1] - state.place[1]) * u[1]
         columns = []
         for axis in range(4):
             dp = [scale if axis == i else arb(0) for i in (0, 1)]
             du = [arb(1) if axis == 2 + i else arb(0) for i in (0, 1)]
             shifted = [dp[i] + t * du[i] for i in (0, 1)]
-            # The change of the flight's length.
+            # n . dr = 0: the flight becomes shorter by dt = n . (dp + t du)/(n . u).
             dt = (n[0] * shifted[0] + n[1] * shifted[1]) / along
             dr = [shifted[i] - u[i] * dt for i in (0, 1)]
             if kind == ARC:
                 dn = [dr[i] / r for i in (0, 1)]
             else:
                 dn = [arb(0), arb(0)]
-            # d(n . u)
+            # d(n . u) = dn . u + n . du, and du' = du - 2 d(n . u) n - 2 (n . u) dn.
             d_along = dn[0] * u[0] + dn[1] * u[1] + n[0] * du[0] + n[1] * du[1]
             du_after = [du[i] - 2 * d_along * n[i] - 2 * along * dn[i] for i in (0, 1)]
             columns.append([dr[0] / scale, dr[1] / scale, *du_after])

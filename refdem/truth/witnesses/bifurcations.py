@@ -66,6 +66,7 @@ def double_roots(p: Mapping[str, Exact]) -> list[list[arb]]:
         name: fmpq(value.numerator, value.denominator)
         for name, value in numbers(p, "alpha", "beta", "delta", "f0").items()
     }
+    # The coefficients a, b, c, e of a S^3 + b S^2 + c S + e as polynomials in q = w^2.
     h = values["beta"] * 3 / 4
     q = fmpq_poly([0, 1])
     g = values["alpha"] - q
@@ -82,6 +83,7 @@ def double_roots(p: Mapping[str, Exact]) -> list[list[arb]]:
             continue
         square = root.real
         a_, b_, c_, e_ = (_at(polynomial, square) for polynomial in (a, b, c, e))
+        # The double root S = (9 a e - b c)/(2 (b^2 - 3 a c)), and w = sqrt(q), A = sqrt(S).
         s = (9 * a_ * e_ - b_ * c_) / (2 * (b_ * b_ - 3 * a_ * c_))
         if s > 0:
             found.append([square.sqrt(), s.sqrt()])
@@ -113,6 +115,7 @@ def drives(p: Mapping[str, Exact]) -> list[arb]:
     }
     k = values["alpha"] + values["beta"] * values["amplitude"] * values["amplitude"] * 3 / 4
     ratio = values["f0"] / values["amplitude"]
+    # q^2 + (4 delta^2 - 2 k) q + k^2 - (f0/A)^2 = 0, from the constant coefficient on.
     quadratic = fmpq_poly([k * k - ratio * ratio, 4 * values["delta"] * values["delta"] - 2 * k, 1])
     found = [root.real.sqrt() for root in roots(quadratic)]
     return sorted(found, key=lambda root: float(root.mid()))
@@ -141,6 +144,7 @@ def multiplier(eta: Fraction, period: int) -> arb:
     for _ in range(64 * period):
         x = _middle(parameter * x * (1 - x))
     for _ in range(12):
+        # x - (f^p(x) - x)/((f^p)'(x) - 1), f^p being p = `period` steps of the map.
         image, slope = _image(parameter, x, period)
         x = _middle(x - (image - x) / (slope - 1))
     return _image(parameter, x, period)[1]
@@ -150,6 +154,7 @@ def _image(eta: arb, x: arb, period: int) -> tuple[arb, arb]:
     """The iterate of x after `period` steps of the map, and its derivative by x."""
     slope = arb(1)
     for _ in range(period):
+        # (f^(k + 1))'(x) = (f^k)'(x) eta (1 - 2 f^k(x))
         slope = slope * eta * (1 - 2 * x)
         x = eta * x * (1 - x)
     return x, slope

@@ -44,6 +44,7 @@ class Flight:
         upwards = self.sphere.v[1]
 
         def above(t: arb) -> arb:
+            # h + v_y s - g s^2/2
             return arb(self.height + t * (upwards - self.gravity * t / 2))
 
         low = arb.max(arb(0), (upwards / self.gravity).mid())

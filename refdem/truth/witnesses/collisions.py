@@ -253,6 +253,7 @@ class Spheres(Colliding):
     def growth(self, s: Sequence[Any]) -> Any:
         """dF/dt = k d' + c d'' [N/s] with d' = -v_e and d'' = -v_e' = -F/m - v_t^2/|r|."""
         _, _, distance, along, across, force = self.geometry(s)
+        # k d' + c d'', with d' = -v_e and d'' = -(F/m + v_t^2/|r|).
         return -self.k * along - self.c * (force / self.mass + across * across / distance)
 
     def field(self, friction: Value) -> Callable[[Any, Sequence[Any]], list[Any]]:
@@ -261,6 +262,7 @@ class Spheres(Colliding):
         def rates(t: Any, s: Sequence[Any]) -> list[Any]:
             ex, ey, distance, _, _, force = self.geometry(s)
             f = friction(s)
+            # m v' = F e + f t, t = (-e_y, e_x); J_i omega_i' = -L_i f.
             ax = (force * ex - f * ey) / self.mass
             ay = (force * ey + f * ex) / self.mass
             spin_rates = [

@@ -88,6 +88,7 @@ def slope(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claimed) -
         tangent = arb_of(number(p, "slope"))
         cosine = 1 / (1 + tangent * tangent).sqrt()
         sine = tangent * cosine
+    # s'' = g (sin a - mu cos a), or 0 where friction holds the block.
     acceleration = gravity * (sine - friction * cosine)
     if not acceleration > 0:
         acceleration = arb(0)

@@ -41,6 +41,7 @@ def corner(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claimed) 
     impact = bisected(height + lowest.imag, vy)
     mass = arb_of(number(p, "mass"))
     restitution = arb_of(number(p, "restitution"))
+    # I = m <|r|^2>, the mean over the box.
     moment = mass * mean_square(a, b)
     # Unknowns (vy', omega', P):
     #     m vy' - P = m vy,   I omega' - r_x P = 0,   vy' + r_x omega' = -e vy

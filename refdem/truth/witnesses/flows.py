@@ -48,6 +48,7 @@ def carried(p: Mapping[str, Any], times: Sequence[Fraction], claimed: Claimed) -
             decay = 2 * arb_of(number(p, "delta"))
         else:
             decay = arb(0)
+        # dA/dt = A div F, div F = -2 delta or 0.
         area = Solution(lambda t, y: [-decay * y[0]], [arb_of(double_area / 2)])
         for t in times:
             yield t, {"area": area.at(t)[0]}

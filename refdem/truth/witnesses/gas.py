@@ -42,17 +42,23 @@ def cooling(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claimed)
         name: arb_of(x)
         for name, x in numbers(p, "diameter", "density", "restitution", "t0").items()
     }
+    # chi = (1 - phi/2)/(1 - phi)^3, with the packing fraction phi = pi n sigma^3/6.
     packing = arb.pi() * e["density"] * e["diameter"] ** 3 / 6
     chi = (1 - packing / 2) / ((1 - packing) * (1 - packing) * (1 - packing))
-    # The standard deviation sqrt(2 T/m) of u, and the integral of exp(-u^2/2) over all u.
+    # The standard deviation sqrt(2 T/m) of u, and the integral of exp(-u^2/2) over all u, with u in
+    # units of the deviation.
     deviation = (2 * e["t0"]).sqrt()
     norm = 2 * moment(0)
+    # <u+> = deviation (integral of u exp(-u^2/2) over u > 0)/norm.
     mean_approach = deviation * moment(1) / norm
+    # w_c = 4 pi n sigma^2 chi <u+>
     rate = e["density"] * e["diameter"] * e["diameter"] * chi * 4 * arb.pi() * mean_approach
     inelasticity = 1 - e["restitution"] * e["restitution"]
+    # (1 - e^2)/4 <u^3>/<u>, each mean over u > 0.
     loss = inelasticity / 4 * deviation * deviation * moment(3) / moment(1)
     scalars = {"collision_frequency": rate}
     if loss > 0:
+        # tau = 2 E/(w_c loss/2), E = 3 T/2
         scalars["haff_time"] = 2 * (arb(3) / 2 * e["t0"]) / (rate * loss / 2)
     yield None, scalars
 

@@ -61,6 +61,7 @@ class Struck(Colliding):
 
         slip' = -v_y' - l' omega - l omega' = f/m + beta v_x omega + l^2 f/J, as l' = -beta v_x.
         """
+        # 0 = f (1/m + l^2/J) + beta v_x omega
         inverse_mass = 1 / self.mass + self.lever(s) * self.lever(s) / self.moment
         return -self.beta * s[2] * s[4] / inverse_mass
 
@@ -173,6 +174,7 @@ def sliding(k: arb, mu: arb, s: Any, y: Sequence[Any]) -> list[Any]:
     d(R omega)/dt = -5/2 mu k w^3.
     """
     w, v, _, _, vy, _ = y
+    # w F/m = k w^4, as F/m = k d^(3/2) = k w^3.
     force = k * w * w * w * w
     return [v / 2, -force, w, vy * w, -mu * force, -mu * force * 5 / 2]
 

@@ -29,12 +29,15 @@ def of_points(p: Mapping[str, Exact]) -> dict[str, Sequence[Any]]:
     omega = vector(p, "omega")
     total = sum(masses, ZERO)
     momentum = _weighted(masses, velocities)
+    # M V^2/2 = P^2/(2 M)
     of_centre = _dot(momentum, momentum) / (2 * total)
     about_centre = ZERO
+    # M R x V = (sum m r) x P/M
     lever = _cross(_weighted(masses, places), momentum)
     momentum_of_centre = [x / total for x in lever]
     momentum_about_centre = [ZERO] * 3
     for i, j in combinations(range(len(masses)), 2):
+        # mu |v_i - v_j|^2/2 and mu (r_i - r_j) x (v_i - v_j), with mu = m_i m_j/M.
         reduced = masses[i] * masses[j] / total
         apart = _less(places[i], places[j])
         parting = _less(velocities[i], velocities[j])

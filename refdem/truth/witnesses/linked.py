@@ -177,6 +177,7 @@ def hung(m1: arb, m2: arb, gravity: arb, t: Any, s: Sequence[Any]) -> list[Any]:
     ay1 = (l2 * y2 - l1 * y1) / m1 - gravity
     ax2 = -l2 * x2 / m2 - ax1
     ay2 = -l2 * y2 / m2 - gravity - ay1
+    # theta' = (d x d')/d^2
     thetadot1 = (x1 * vy1 - y1 * vx1) / square1
     thetadot2 = (x2 * vy2 - y2 * vx2) / square2
     return [vx1, vy1, ax1, ay1, vx2, vy2, ax2, ay2, thetadot1, thetadot2]
@@ -218,6 +219,7 @@ def joined(masses: Sequence[arb], e: Mapping[str, Fraction], t: Any, s: Sequence
         L |d|^2/m = |d'|^2 + d . (g +- f/m)
     """
     x1, y1, _, _, x2, y2, _, _ = s[:8]
+    # D = (distance, 0) + d2 - d1, and f = k (1 - s0/|D|) D = force D.
     spring_x = x2 - x1 + arb_of(e["distance"])
     spring_y = y2 - y1
     force = arb_of(e["stiffness"])
@@ -229,6 +231,7 @@ def joined(masses: Sequence[arb], e: Mapping[str, Fraction], t: Any, s: Sequence
     for bob, sign in ((0, 1), (1, -1)):
         x, y, vx, vy = s[4 * bob : 4 * bob + 4]
         mass = masses[bob]
+        # a = g +- f/m, and the rod has L/m = (|d'|^2 + d . a)/|d|^2 and d'' = a - (L/m) d.
         ax = force * spring_x * sign / mass
         ay = force * spring_y * sign / mass - arb_of(e["gravity"])
         square = x * x + y * y
@@ -285,8 +288,10 @@ def wound(e: Mapping[str, arb], string_mass: arb, t: Any, s: Sequence[Any]) -> l
     radius = e["wheel_radius"]
     gravity = e["gravity"]
     thetadot = momentum / (r * r * m)
+    # A u' = m r theta'^2 - M g + m g cos theta
     string_force = r * thetadot * thetadot * m - counter * gravity + theta.cos() * (m * gravity)
     u_rate = string_force / string_mass
+    # p' = A R u' + M g R - m g (R cos theta + r sin theta)
     momentum_rate = (
         u_rate * (string_mass * radius)
         + counter * gravity * radius
@@ -305,6 +310,7 @@ def cluster(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claimed)
     flat = vector(p, "positions")
     total = sum(masses)
     points = [flat[3 * i : 3 * i + 3] for i in range(4)]
+    # c = sum m r/M
     centre = []
     for k in range(3):
         moment = sum((m * r[k] for m, r in zip(masses, points, strict=True)), Fraction(0))
@@ -321,6 +327,7 @@ def cluster(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claimed)
     field = partial(spun, momentum, inverse.table())
     solution = Solution(field, [arb(1), arb(0), arb(0), arb(0)])
     for t in times:
+        # r_i = c + R(q) (r_i(0) - c)
         r = rotation(solution.at(t))
         positions = {}
         for i, arm in enumerate(arms, 1):
@@ -361,6 +368,7 @@ def spun(
     # (a, b, c) is omega_body/2.
     a, b, c = (sum((inverse[i][j] * body[j] for j in range(3)), arb(0)) / 2 for i in range(3))
     w, x, y, z = q
+    # q' = q (0, a, b, c)
     w_rate = -x * a - y * b - z * c
     x_rate = w * a + y * c - z * b
     y_rate = w * b + z * a - x * c

@@ -132,6 +132,7 @@ def power(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claimed) -
         sign = -1
     phase_number = 1
     while waiting or phase_number <= 3:
+        # |x|^n sgn x = sign^(n + 1) x^n, as x has this sign in the whole phase.
         phase = Solution(partial(pulled, n, ratio * sign ** (n + 1)), state, begin=begin)
         if phase_number == 1:
             near = float(begin) + quarter
@@ -142,6 +143,7 @@ def power(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claimed) -
             t = waiting.pop(0)
             yield t, dict(zip(("x", "v"), phase.at(t), strict=True))
         if phase_number == 2:
+            # The second phase, between two zeros of x, lasts half a period.
             yield None, {"period": 2 * (end - begin)}
         begin = end
         state = phase.at(end)
@@ -164,7 +166,8 @@ def rooted(exact: Mapping[str, Fraction], times: Sequence[Fraction]) -> Results:
         return [y[1], -ratio * y[0] ** a * time_rate, time_rate]
 
     curve = Solution(field, [amplitude.root(b), arb(0), arb(0)])
-    # About an eighth of the z of a quarter period.
+    # The step of the scan: for b = 2 a 16th of A^(1/b)/sqrt((k/m) A^(n + 1)), which is about the z
+    # of a quarter period (ds/dz = v).
     acceleration = ratio * amplitude ** arb_of(Fraction(a + 2 * b - 2, b))
     step = float(1 / acceleration.sqrt() * amplitude.root(b)) / b / 8
     high = step
@@ -179,6 +182,8 @@ def rooted(exact: Mapping[str, Fraction], times: Sequence[Fraction]) -> Results:
         sign = -1
     for t in times:
         quarters = floor(float(arb_of(t) / quarter))
+        # With the quarter Q of a period, and x even about t = 0: x(Q + t) = -x(Q - t),
+        # x(2 Q + t) = -x(t), x(3 Q + t) = x(Q - t).
         in_quarter = arb_of(t) - quarters * quarter
         # The second quarter is the time reversal of the first one, and so on.
         if quarters % 2 == 0:
@@ -212,6 +217,7 @@ def steadily_driven(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: 
     """The motion, and the steady amplitude |f0/(w0^2 - w^2 + 2 i delta w)|, w0^2 = k/m."""
     yield from MOVING.values(p, times, claimed)
     e = {name: arb_of(number(p, name)) for name in ("mass", "stiffness", "delta", "f0", "drive")}
+    # w0^2 - w^2 + 2 i delta w
     response = acb(
         e["stiffness"] / e["mass"] - e["drive"] * e["drive"], 2 * e["delta"] * e["drive"]
     )

@@ -35,6 +35,7 @@ def sections(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claimed
     points: dict[str, tuple[arb, arb]] = {}
     due = list(enumerate(strobes, start=1))
     start = (arb_of(number(p, "x0")), arb_of(number(p, "v0")))
+    # MOST_PERIODS max(2 pi/eta, 2 pi): the spring has the angular frequency 1.
     last = Fraction(float(period * MOST_PERIODS * law.e["eta"].max(arb(1))))
     for phase, side, begin, end in phases(law, start, last):
         while due and (end is None or due[0][1] < end):
@@ -65,6 +66,7 @@ def phases(
         end = law.end(phase, side, begin, last)
         yield phase, side, begin, end
         if end is not None:
+            # A slip ends where v = belt, and in a stick v = belt throughout.
             (x, v) = (phase.at(end)[0], law.e["belt"])
         begin = end
 
@@ -76,6 +78,7 @@ def rests(phase: Solution, begin: float, end: float) -> list[tuple[arb, arb]]:
     grid = [begin + (end - begin) * k / count for k in range(count + 1)]
     speeds = [phase.at(Fraction(t))[1] for t in grid]
     for k in range(len(grid) - 1):
+        # A simple zero of v lies between grid points at which v has different signs.
         if not speeds[k] * speeds[k + 1] < 0:
             continue
         half = (grid[k + 1] - grid[k]) / 2

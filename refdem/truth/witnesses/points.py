@@ -35,7 +35,7 @@ def pendulum(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claimed
 
     def field(t: Any, s: Sequence[Any]) -> list[Any]:
         x, y, vx, vy, _ = s
-        # T/(m l)
+        # T/(m l) = (v^2 - g y)/l^2, theta' = (x vy - y vx)/l^2
         rod = (vx * vx + vy * vy - y * gravity) / (length * length)
         thetadot = (x * vy - y * vx) / (length * length)
         return [vx, vy, -rod * x, -rod * y - gravity, thetadot]
@@ -50,6 +50,7 @@ def pendulum(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claimed
     solution = Solution(field, start)
     for t in times:
         x, y, vx, vy, theta = solution.at(t)
+        # T = m (v^2 - g y)/l, and theta' = (x vy - y vx)/l^2.
         force = mass * (vx * vx + vy * vy - gravity * y) / length
         thetadot = (x * vy - y * vx) / (length * length)
         yield t, {"theta": theta, "thetadot": thetadot, "x": x, "y": y, "rod_force": force}
@@ -86,14 +87,17 @@ def orbit(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claimed) -
     if is_spring:
         strength = arb_of(number(p, "stiffness") / _mass(p))
         x0 = arb_of(a)
+        # v_y = w a sqrt(1 - e^2), w^2 = k/m
         v0 = arb_of(a) * arb_of(1 - e * e).sqrt() * strength.sqrt()
     else:
         strength = arb_of(exact["gm"])
         x0 = arb_of(a * (1 - e))
+        # v_y^2 = gm (1 + e)/(a (1 - e))
         v0 = (strength * arb_of((1 + e) / (a * (1 - e)))).sqrt()
 
     def field(t: Any, s: Sequence[Any]) -> list[Any]:
         x, y, vx, vy = s
+        # r'' = -factor r: the factor is w^2 of the spring, or gm/|r|^3.
         if is_spring:
             factor = strength
         else:
@@ -158,6 +162,7 @@ def balanced(p: Mapping[str, Any], times: Sequence[Fraction]) -> Results:
         for low, high, size in zip((0, *heights), heights, p["sizes"], strict=False)
     ]
     count = len(gaps)
+    # Contact i bears the bodies i, i + 1, ...: -k gap_i = weight (count - i).
     weights_above = [weight * (count - i) for i in range(count)]
     if stiffness:
         is_balanced = [-gap * stiffness for gap in gaps] == weights_above

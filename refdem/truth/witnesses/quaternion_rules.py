@@ -66,6 +66,7 @@ def products_of_elements() -> dict[str, Sequence[Any]]:
 def complex_numbers(z: tuple[Fraction, Fraction], slope: Fraction) -> dict[str, Sequence[Any]]:
     """The rows of z = (real, imaginary) and y = 1 + i slope; divided as (1.42) and after."""
     real, imaginary = z
+    # z y = z (1 + i s) and z/y = z (1 - i s)/(1 + s^2), with y = 1 + i s.
     square = 1 + slope * slope
     product = [real - imaginary * slope, real * slope + imaginary]
     quotient = [(real + imaginary * slope) / square, (imaginary - real * slope) / square]

@@ -104,6 +104,7 @@ class Body:
         for begin, end in pairwise(ends):
             middle = (begin + end) / 2
             values = (self.speeds(begin)[0], self.speeds(middle)[0], self.speeds(end)[0])
+            # Simpson's rule: (b - a) (v(a) + 4 v((a + b)/2) + v(b))/6.
             way += (end - begin) * (values[0] + 4 * values[1] + values[2]) / 6
         return way
 

@@ -31,10 +31,11 @@ def rates(inertia: Sequence[arb]) -> Any:
 
     def field(t: Any, state: Sequence[Any]) -> list[Any]:
         a, b, c, w, x, y, z = state
+        # J1 a' = (J2 - J3) b c, and its cyclic permutations.
         a_rate = b * c * ((j2 - j3) / j1)
         b_rate = c * a * ((j3 - j1) / j2)
         c_rate = a * b * ((j1 - j2) / j3)
-        # The quaternion product q omega_body.
+        # q' = q (0, omega_body)/2: the quaternion product q (0, a, b, c).
         product_w = -x * a - y * b - z * c
         product_x = w * a + y * c - z * b
         product_y = w * b + z * a - x * c
@@ -52,6 +53,7 @@ def quantities(state: Sequence[arb]) -> dict[str, arb]:
     if not q[0] >= 0:
         q = [-component for component in q]
     w, x, y, z = q
+    # R = 1 + 2 w [u]x + 2 [u]x^2 with u = (x, y, z), [u]x a = u x a, and w^2 + u^2 = 1.
     row_x = [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)]
     row_y = [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)]
     row_z = [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)]
@@ -126,6 +128,7 @@ def damped(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claimed) 
     def field(t: Any, momentum: Sequence[Any]) -> list[Any]:
         l1, l2, l3 = momentum
         w1, w2, w3 = (component / j for component, j in zip(momentum, inertia, strict=True))
+        # L' = L x omega + c (L (L . omega) - omega |L|^2)
         l_omega = l1 * w1 + l2 * w2 + l3 * w3
         l_square = l1 * l1 + l2 * l2 + l3 * l3
         cross = [l2 * w3 - l3 * w2, l3 * w1 - l1 * w3, l1 * w2 - l2 * w1]

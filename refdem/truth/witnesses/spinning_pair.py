@@ -107,6 +107,7 @@ class ContactState:
         r = r1 - r2.
         """
         bodies = self.bodies
+        # dF/dt = k v.n + c (a.n + v.n'), and v.n' = -v . (v - (v.n) n)/|r|.
         normal_acceleration = -self.force * (1 / bodies.masses[0] + 1 / bodies.masses[1])
         turning = dot(self.velocity, self.across) / self.distance
         return bodies.k * self.along + bodies.c * (normal_acceleration - turning)
@@ -146,9 +147,11 @@ class ContactState:
             return [x * 0 for x in stretch]
         normal_rate = [-x / self.distance for x in self.across]
         turned = crossed(crossed(self.normal, normal_rate), stretch)
+        # s' = slip + (n x n') x s while the contact sticks.
         free_rate = plus(self.slip, turned)
         if phase == "stick":
             return free_rate
+        # At the limit: s' + (F'/F - (slip . s)/(s . s)) s, so that |s|'/|s| = F'/F.
         own_growth = dot(self.slip, stretch) / dot(stretch, stretch)
         return plus(free_rate, stretch, self.growth / self.force - own_growth)
 
@@ -184,6 +187,7 @@ class Bodies:
         zero = arb(0)
         state: list[arb] = []
         for share, spin in ((m2 / (m1 + m2), spins[:3]), (-m1 / (m1 + m2), spins[3:])):
+            # r1 - r2 = (-(R1 + R2), 0, 0): body 1 has the share m2/M, body 2 the share -m1/M.
             position = [-share * radii_sum, zero, zero]
             velocity = [share * speed * cosine, share * speed * sine, zero]
             state += [*position, *velocity, *map(arb_of, spin)]

@@ -238,6 +238,7 @@ def images(a: Fraction, b: Fraction, c: Fraction) -> dict[str, Rule]:
     zero = Fraction(0)
     one = Fraction(1)
 
+    # The Jacobian of every map is triangular: its determinant is the product of its diagonal.
     def tetrahedron(x: Any, y: Any, z: Any) -> tuple[Point, Any]:
         determinant = a * b * c * (1 - y) * (1 - z) * (1 - z)
         return (a * x * (1 - y) * (1 - z), b * y * (1 - z), c * z), determinant
@@ -329,6 +330,7 @@ def euler_of(r: Sequence[Sequence[arb]]) -> list[arb]:
     Its last column is (sin phi sin theta, -cos phi sin theta, cos theta), its last row (sin theta
     sin psi, sin theta cos psi, cos theta).
     """
+    # phi = atan2(R_xz, -R_yz), theta = acos(R_zz), psi = atan2(R_zx, R_zy)
     return [arb.atan2(r[0][2], -r[1][2]), r[2][2].acos(), arb.atan2(r[2][0], r[2][1])]
 
 
@@ -391,7 +393,8 @@ def products(p: Mapping[str, Exact], length: arb) -> dict[str, Sequence[Any]]:
         "real-product": pq,
         "complex-product": pq,
     }
-    # Eigenvalues of x s1 + y s2 + z s3: +-|(x, y, z)|; those of i, j, k are +-i.
+    # The eigenvalues of x s1 + y s2 + z s3, s_i being Pauli's matrices, are +-|(x, y, z)|; those of
+    # the matrices of i, j, k are +-i.
     v = vector(p, "vector")
     size = arb_of(sum((x * x for x in v), Fraction(0))).sqrt()
     of_pauli: dict[str, Sequence[Any]] = {
@@ -539,6 +542,7 @@ def in_the_plane(p: Mapping[str, Exact]) -> dict[str, Sequence[Any]]:
     """
     v = [arb_of(x) for x in vector(p, "vector")]
     turn = about("z", arb_of(number(p, "angle")))
+    # R v, the mirror image 2 (v . e) e - v, and, in `plane-clockwise`, R^T v.
     turned_v = [turn[i, 0] * v[0] + turn[i, 1] * v[1] for i in (0, 1)]
     along_line = turn[0, 0] * v[0] + turn[1, 0] * v[1]
     mirrored_v = [2 * along_line * turn[i, 0] - v[i] for i in (0, 1)]

@@ -57,6 +57,7 @@ def moving(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claimed) 
         if end is None:
             return
         begin = end
+        # A slip ends where u = v - belt = 0, and in a stick u = 0 throughout.
         (x, v) = (phase.at(end)[0], law.e["belt"])
 
 

@@ -112,6 +112,7 @@ class Solution:
         for n in range(self.order - LAST, self.order + 1):
             coefficient = max(abs(polynomial[n]) for polynomial in series)
             if coefficient > 0:
+                # (|y_0|/|y_n|)^(1/n), by logarithms, as y_n may be below the smallest double.
                 radii.append(math.exp(-(_logarithm(coefficient) - math.log(start_size)) / n))
         # Jorba and Zou: h = rho/e^2.
         step = arb(min(radii) / math.e**2)
@@ -131,6 +132,7 @@ class Solution:
             with series_length(length):
                 clock = arb_series([begin, arb(1)], prec=length)
                 rates = map(_as_series, self.field(clock, series))
+                # y <- y(begin) + integral of f(t, y)
                 series = [value + rate.integral() for value, rate in zip(start, rates, strict=True)]
         return [
             arb_poly([value.mid() for value in terms_of(one, self.order + 1)]) for one in series

@@ -44,6 +44,7 @@ def heavy(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claimed) -
         s = solution.at(t)
         n1, n2, n3 = s[3:6]
         phi, psi = s[6:]
+        # theta' = -(cos theta)'/sin theta, sin theta = sqrt(n1^2 + n2^2)
         thetadot = -cosine_rate(s) / (n1 * n1 + n2 * n2).sqrt()
         yield t, {"theta": n3.acos(), "phi": phi, "psi": psi, "thetadot": thetadot}
     if "period" in claimed and number(p, "thetadot0") == 0:
@@ -69,11 +70,13 @@ def toppling(moments: Sequence[arb], weight: arb, t: Any, s: Sequence[Any]) -> l
     w1, w2, w3, n1, n2, n3, _, _ = s
     j1, j3 = moments
     phi_rate = (w1 * n1 + w2 * n2) / (n1 * n1 + n2 * n2)
+    # J omega' = (J omega) x omega + m g l (n2, -n1, 0), with J1 about both axes across the body.
     omega_rate = [
         ((j1 - j3) * w2 * w3 + weight * n2) / j1,
         ((j3 - j1) * w3 * w1 - weight * n1) / j1,
         w3 * 0,
     ]
+    # n' = n x omega, as the vertical is constant in space.
     vertical_rate = [n2 * w3 - n3 * w2, n3 * w1 - n1 * w3, n1 * w2 - n2 * w1]
     return [*omega_rate, *vertical_rate, phi_rate, w3 - phi_rate * n3]
 

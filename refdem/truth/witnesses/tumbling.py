@@ -134,6 +134,7 @@ class Box:
                 friction = push * self.e["friction"] / dot(slip, slip).sqrt()
             else:
                 friction = push * 0
+            # f = N n - mu N slip/|slip|
             at_corner = [push * n - friction * s for n, s in zip(self.normal, slip, strict=True)]
             force = [a + b for a, b in zip(force, at_corner, strict=True)]
             torque = [a + b for a, b in zip(torque, crossed(arm, at_corner), strict=True)]
@@ -141,6 +142,7 @@ class Box:
         j1, j2, j3 = self.inertia
         # R^T torque, by the columns of R.
         torque_body = [dot([y[i], y[3 + i], y[6 + i]], torque) for i in range(3)]
+        # J omega_body' = (J omega_body) x omega_body + R^T T
         omega_rate = [
             (b * c * (j2 - j3) + torque_body[0]) / j1,
             (c * a * (j3 - j1) + torque_body[1]) / j2,

@@ -55,6 +55,7 @@ def characteristic_roots(masses: Sequence[Fraction]) -> list[arb]:
     first, second, third = masses
     total = first + second + third
     pairs = first * second + first * third + second * third
+    # m^3 - M m^2 + e2 m - e3, from the constant coefficient on.
     coefficients = [-first * second * third, pairs, -total, Fraction(1)]
     polynomial = fmpq_poly([fmpq(c.numerator, c.denominator) for c in coefficients])
     roots: list[arb] = []
@@ -77,6 +78,7 @@ def of_triangle(p: Mapping[str, Exact]) -> dict[str, Sequence[Any]]:
     base_square = sum((x * x for x in base), ZERO)
     _, *twice = hamilton([ZERO, *base], [ZERO, *crossed])
     area_square = corner_square * base_square - minus_along * minus_along
+    # |a x b|^2 = a^2 b^2 - (a . b)^2 is the square of twice the area; height = |a x b|/|b|.
     height = arb_of(area_square / base_square).sqrt()
     return {
         "rejection": [x / base_square for x in twice],

@@ -35,6 +35,7 @@ def about(axis: str, angle: arb) -> arb_mat:
     j = (i + 1) % 3
     k = (i + 2) % 3
     sine, cosine = angle.sin_cos()
+    # The axis i is kept, e_j -> cos e_j + sin e_k, e_k -> -sin e_j + cos e_k.
     entries = {(i, i): arb(1), (j, j): cosine, (k, k): cosine, (j, k): -sine, (k, j): sine}
     return arb_mat([[entries.get((m, n), arb(0)) for n in range(3)] for m in range(3)])
 
@@ -124,6 +125,7 @@ def swept(p: Mapping[str, Exact]) -> dict[str, Sequence[Any]]:
     zero = Fraction(0)
     along, *crossed = hamilton([zero, *omega], [zero, *arm])
     squares = [sum((x * x for x in v), zero) for v in (omega, arm)]
+    # |omega x r|^2 = omega^2 r^2 - (omega . r)^2; `along` is -omega . r.
     square = squares[0] * squares[1] - along * along
     _, *twice = hamilton([zero, *arm], [zero, *crossed])
     return {
@@ -171,7 +173,7 @@ def of_multiples(p: Mapping[str, Exact]) -> dict[str, Sequence[Any]]:
     multiple = int(number(p, "multiple"))
     angle = arb_of(number(p, "angle"))
     other_angle = arb_of(vector(p, "euler")[0])
-    # The entries xx of the turns by the sum and by the difference.
+    # cos a cos b = (cos(a + b) + cos(a - b))/2, each cosine being the entry xx of a turn about z.
     both = (about("z", angle + other_angle) + about("z", angle - other_angle))[0, 0] / 2
     for _ in range(max(multiple, 4)):
         power = power * turn
@@ -194,6 +196,8 @@ def of_a_step(
     turn = [arb_of(step * x) for x in vector(p, "omega")]
     square = sum((x * x for x in turn), arb(0))
     x, y, z = turn
+    # R_1 = (1 + [v]x) R with v = h omega, and the nearest rotation R_1 (R_1^T R_1)^(-1/2), which
+    # is (1 - [v]x^2)^(-1/2) R_1.
     cross = arb_mat([[0, -z, y], [z, 0, -x], [-y, x, 0]])
     nine = (identity() + cross) * rotation
     gram = nine.transpose() * nine

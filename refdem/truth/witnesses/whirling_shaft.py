@@ -28,6 +28,7 @@ def values(p: Mapping[str, Exact], times: Sequence[Fraction], claimed: Claimed) 
     def rates(t: Any, state: Sequence[Any]) -> list[Any]:
         """m r'' = -k r - c_e v - c_i (v - W e_z x r), with W e_z x r = (-W y, W x)."""
         x, y, vx, vy = state
+        # v - W e_z x r = (v_x + W y, v_y - W x)
         slip_x = vx + y * arb_of(turning)
         slip_y = vy - x * arb_of(turning)
         force_x = -x * arb_of(stiffness) - vx * arb_of(outer) - slip_x * arb_of(inner)
