@@ -2,15 +2,9 @@
 trajectory file.
 """
 
-import json
-import sys
 from pathlib import Path
 
 HEADER = "t,body,x,y,z,vx,vy,vz,qw,qx,qy,qz,wx,wy,wz"
-
-
-NOT_SUPPORTED = 77
-"""The exit status of a program that cannot run the scene of its request."""
 
 
 class UnsupportedError(Exception):
@@ -23,35 +17,9 @@ def cannot(condition, why):
         raise UnsupportedError(why)
 
 
-def ends(main, *words):
-    """Calls `main(*words)`; a scene that is not supported ends with NOT_SUPPORTED, its reason on
-    stderr.
-    """
-    try:
-        main(*words)
-    except UnsupportedError as reason:
-        print(reason, file=sys.stderr)
-        sys.exit(NOT_SUPPORTED)
-
-
-def read(path):
-    """The request, its step [s], its steps from sample to sample."""
-    request = json.loads(Path(path).read_text())
-    times = request["times"]
-    cannot(times[1] < times[0], "negative steps")
-    return request, request["step"], request["stride"]
-
-
 def of_kind(request, kind):
     """The elements of one kind."""
     return [element for element in request["scene"]["elements"] if element["kind"] == kind]
-
-
-def refuse_kinds(request, *known):
-    """Raises UnsupportedError for an element of another kind, and for bodies that are fixed."""
-    for element in request["scene"]["elements"]:
-        cannot(element["kind"] not in known, f"{element['kind']} is not among {', '.join(known)}")
-    cannot(any(body["fixed"] for body in request["scene"]["bodies"]), "fixed bodies")
 
 
 def refuse_shapes(request):

@@ -13,6 +13,9 @@ from pathlib import Path
 import border
 from border import UnsupportedError, cannot
 
+NOT_SUPPORTED = 77
+"""The exit status of a program that cannot run the scene of its request."""
+
 
 class Scene:
     """A request, as drivers read it.
@@ -185,7 +188,11 @@ def run(solve, *known):
     `solve(scene)` fills `scene.rows`; scenes with elements of kinds other than `known` are refused.
     """
     if len(sys.argv) > 2:
-        border.ends(answer, solve, known, sys.argv[1:])
+        try:
+            answer(solve, known, sys.argv[1:])
+        except UnsupportedError as reason:
+            print(reason, file=sys.stderr)
+            sys.exit(NOT_SUPPORTED)
         return
     said({"ready": True})
     for line in sys.stdin:
@@ -207,6 +214,7 @@ def said(line):
     print(json.dumps(line), file=ANSWERS, flush=True)
 
 
-# Standard output is for answers alone: whatever a library prints goes to standard error.
-ANSWERS = os.fdopen(os.dup(1), "w")
+# Standard output is for answers alone: whatever a library prints goes to standard error. A program
+# that prints before its script runs has the number of that output in its environment.
+ANSWERS = os.fdopen(os.dup(int(os.environ.get("ANSWERS", "1"))), "w")
 os.dup2(2, 1)

@@ -1,5 +1,5 @@
-"""A scene in Kratos DEM: driver.py request.json trajectory.csv; what its words cannot say exactly
-ends with status 77.
+"""Scenes in Kratos DEM: driver.py answers requests until standard input ends, and driver.py
+request.json trajectory.csv one.
 
 Attitudes are those at the start.
 """
@@ -12,6 +12,7 @@ from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 import border
+import served
 from border import cannot
 
 EMPTY = "Begin ModelPartData\nEnd ModelPartData\n\nBegin Properties 0\nEnd Properties\n\n"
@@ -131,14 +132,12 @@ def settings(request, step, steps):
     }
 
 
-def main(request_json, trajectory):
-    """Reads the request, runs it and writes the trajectory."""
-    request, step, stride = border.read(request_json)
-    bodies = request["scene"]["bodies"]
-    times = request["times"]
+def solve(scene):
+    """Runs a scene and keeps its rows."""
+    request, bodies, times = scene.request, scene.bodies, scene.times
+    cannot(times[1] < times[0], "negative steps")
     law = border.contact_law(request)
     border.refuse_shapes(request)
-    border.refuse_kinds(request, "contact", "uniform_gravity")
     cannot(any(body["shape"]["kind"] != "sphere" for body in bodies), "points")
     cannot(law and law["damping"] > 0, "damping as a number of the law: it comes from restitution")
     rubs = law and law["friction"] > 0
@@ -149,12 +148,11 @@ def main(request_json, trajectory):
     write(bodies, law)
     from analysis import Recorded  # here: what is refused needs no Kratos
 
-    run = Recorded(
-        json.dumps(settings(request, step, stride * (len(times) - 1))), bodies, times, stride
-    )
+    steps = scene.stride * (len(times) - 1)
+    run = Recorded(json.dumps(settings(request, scene.step, steps)), bodies, times, scene.stride)
     run.Run()
-    border.write(trajectory, run.rows)
+    scene.rows.extend(run.rows)
 
 
 if __name__ == "__main__":
-    border.ends(main, *sys.argv[1:])
+    served.run(solve, "contact", "uniform_gravity")

@@ -5,15 +5,13 @@ One LAMMPS runs all scenes, each from a clear start. It keeps no attitude of sph
 has the one at the start.
 """
 
-import os
-import subprocess
 import sys
-import time
 from functools import partial
 from pathlib import Path
 
 sys.path[:0] = [str(Path(__file__).resolve().parents[1]), str(Path(__file__).resolve().parent)]
 import border  # noqa: E402
+import piped  # noqa: E402
 import served  # noqa: E402
 from border import cannot  # noqa: E402
 from elements import contact, joined, pushes  # noqa: E402
@@ -27,8 +25,6 @@ START = (
     " every 1 check yes"
 )
 KINDS = ("contact", "plane", "uniform_gravity", "spring", "central_field")
-PAUSE = 5e-4
-"""Time [s] between two looks for the end of a run."""
 DUMP = "dump.lammps"
 METHODS = {"gran": ("gran", "rigid/nve"), "granular": ("granular", "rigid")}
 """Pair style, and fix for bodies that are no spheres: LAMMPS has two codes for either."""
@@ -81,7 +77,7 @@ def rigid(request, fix):
     """Input for bodies of any inertia: two atoms each, whose mass and moments the body's own
     replace.
     """
-    border.refuse_kinds(request)
+    cannot(request["scene"]["elements"], "elements beside bodies that are no spheres")
     bodies = request["scene"]["bodies"]
     rows = []
     cannot(
@@ -112,61 +108,9 @@ def rigid(request, fix):
     )
 
 
-class Lammps:
-    """A LAMMPS that takes its commands from a pipe, and is started again after it has ended."""
-
-    def __init__(self, program):
-        self.program = program
-        self.process = None
-
-    def run(self, script):
-        """Runs the commands of a script from a clear start; raises RuntimeError with the end of
-        what LAMMPS printed if it ended meanwhile.
-        """
-        end, screen = Path("end"), Path("screen")
-        end.unlink(missing_ok=True)
-        if self.process is None or not screen.exists():
-            self.start(screen)
-        self.process.stdin.write(f'clear\n{script}\nprint "" file {end} screen no\n')
-        self.process.stdin.flush()
-        while not end.exists():
-            if self.process.poll() is not None:
-                self.process = None
-                raise RuntimeError(screen.read_text()[-2000:])
-            time.sleep(PAUSE)
-
-    def start(self, screen):
-        """Starts the program in the working directory."""
-        if self.process is not None:
-            self.process.kill()
-        with screen.open("w") as printed:
-            self.process = subprocess.Popen(
-                [self.program, "-log", "none"],
-                env=environment(),
-                stdin=subprocess.PIPE,
-                stdout=printed,
-                stderr=subprocess.STDOUT,
-                text=True,
-            )
-
-
-def environment():
-    """The environment of LAMMPS: one thread, and a TMPDIR of its own, since runs of Open MPI in one
-    TMPDIR disturb each other.
-    """
-    return os.environ | {
-        "OMP_NUM_THREADS": "1",
-        "LD_LIBRARY_PATH": f"{sys.prefix}/lib",
-        "TMPDIR": str(Path.cwd()),
-    }
-
-
 def version(program):
     """The name of the version, from the first line of the help."""
-    done = subprocess.run(
-        [program, "-h"], env=environment(), capture_output=True, text=True, check=True
-    )
-    title = next(line for line in done.stdout.splitlines() if line.strip())
+    title = next(line for line in piped.printed(program, "-h").splitlines() if line.strip())
     return f"LAMMPS {title.partition(' - ')[2]}"
 
 
@@ -197,10 +141,7 @@ def rows(bodies, times, turning):
 
     LAMMPS may order a body's principal axes its own way, which the start tells.
     """
-    frames = [frame.split("\n") for frame in Path(DUMP).read_text().split("ITEM: TIMESTEP\n")[1:]]
-    table = [
-        sorted([float(x) for x in line.split()] for line in frame[8:] if line) for frame in frames
-    ]
+    table = piped.states(DUMP)
     if turning:
         first = [
             border.product(border.conjugate(state[10:]), body["attitude"])
@@ -223,4 +164,4 @@ if __name__ == "__main__":
         # Standard output is for answers alone.
         print(version(program), file=served.ANSWERS)
     else:
-        served.run(partial(solve, Lammps(program)), *KINDS)
+        served.run(partial(solve, piped.Piped(program)), *KINDS)

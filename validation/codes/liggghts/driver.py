@@ -1,17 +1,19 @@
-"""A scene in LIGGGHTS: driver.py LIGGGHTS request.json trajectory.csv; what its words cannot say
-exactly ends with status 77.
+"""Scenes in LIGGGHTS: driver.py LIGGGHTS answers requests until standard input ends, driver.py
+LIGGGHTS request.json trajectory.csv one, and driver.py LIGGGHTS version names the version.
 
-LIGGGHTS keeps no attitude of spheres: the trajectory has the one at the start.
+One LIGGGHTS runs all scenes, each from a clear start. It keeps no attitude of spheres: the
+trajectory has the one at the start.
 """
 
 import math
-import os
-import subprocess
 import sys
+from functools import partial
 from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 import border
+import piped
+import served
 import triangle
 from border import cannot
 from triangle import is_along_an_axis
@@ -29,6 +31,7 @@ NUMBERS = {
     "gamman_abs": "damping",
     "coefficientFriction": "friction",
 }
+DUMP = "dump.liggghts"
 ATOM = "id x y z vx vy vz omegax omegay omegaz"
 
 
@@ -148,65 +151,34 @@ def pushes(request):
         yield f"group held{n} id {spring['a'] + 1}\nfix spring{n} held{n} spring tether {tether}"
 
 
-def said(program, *arguments):
-    """What LIGGGHTS says; ends with that if it went wrong.
-
-    Open MPI's runs disturb each other in one TMPDIR.
-    """
-    environment = os.environ | {"OMP_NUM_THREADS": "1", "TMPDIR": str(Path.cwd())}
-    done = subprocess.run([program, *arguments], env=environment, capture_output=True, text=True)
-    if done.returncode != 0 or "ERROR" in done.stdout + done.stderr:
-        sys.exit((done.stdout + done.stderr)[-2000:])
-    return done.stdout
-
-
-def main(program, request_json, trajectory):
-    """Reads the request, runs it and writes the trajectory."""
-    request, step, stride = border.read(request_json)
-    border.refuse_shapes(request)
-    border.refuse_kinds(request, "contact", "plane", "uniform_gravity", "spring")
-    unit = unit_of_length(request)
-    request = in_unit(request, unit)
+def solve(liggghts, scene):
+    """Runs a scene and keeps its rows."""
+    cannot(scene.times[1] < scene.times[0], "negative steps")
+    border.refuse_shapes(scene.request)
+    unit = unit_of_length(scene.request)
+    request = in_unit(scene.request, unit)
     bodies = request["scene"]["bodies"]
-    times = request["times"]
     Path("data.liggghts").write_text(data(bodies))
-    script = [
+    are_spheres = all("radius" in body["shape"] for body in bodies)
+    commands = [
         START,
         *(f"set atom {n} mass {b['mass']!r}" for n, b in enumerate(bodies, 1)),
         *contact(request),
         *pushes(request),
+        f"fix move all nve{'/sphere' if are_spheres else ''}",
+        f"dump d all custom {scene.stride} {DUMP} {ATOM}",
+        f'dump_modify d format "%d{" %.17g" * 9}"',
+        "thermo_modify lost error",
+        f"timestep {scene.step!r}",
+        f"run {scene.stride * (len(scene.times) - 1)}",
+        "undump d",
     ]
-    script.append(
-        "fix move all nve/sphere"
-        if all("radius" in b["shape"] for b in bodies)
-        else "fix move all nve"
-    )
-    script.append(
-        f'dump d all custom {stride} dump.liggghts {ATOM}\ndump_modify d format "%d{" %.17g" * 9}"'
-    )
-    script.append(f"thermo_modify lost error\ntimestep {step!r}\nrun {stride * (len(times) - 1)}")
-    Path("in.liggghts").write_text("\n".join(script) + "\n")
-    said(program, "-in", "in.liggghts", "-log", "none", "-echo", "screen")
-    frames = [
-        frame.split("\n")
-        for frame in Path("dump.liggghts").read_text().split("ITEM: TIMESTEP\n")[1:]
-    ]
-    states = [
-        sorted([float(x) for x in line.split()] for line in frame[8:] if line) for frame in frames
-    ]
-    table = [
-        (
-            t,
-            n,
-            [unit * x for x in s[1:4]],
-            [unit * v for v in s[4:7]],
-            bodies[n]["attitude"],
-            s[7:10],
-        )
-        for t, f in zip(times, states, strict=True)
-        for n, s in enumerate(f)
-    ]
-    border.write(trajectory, table)
+    liggghts.run("\n".join(commands))
+    for t, states in zip(scene.times, piped.states(DUMP), strict=True):
+        for n, (body, state) in enumerate(zip(scene.bodies, states, strict=True)):
+            place = [unit * x for x in state[1:4]]
+            velocity = [unit * v for v in state[4:7]]
+            scene.rows.append((t, n, place, velocity, body["attitude"], state[7:10]))
 
 
 def version(program):
@@ -214,12 +186,15 @@ def version(program):
 
     `-h` would say it too, but LIGGGHTS 3.8.0 of Debian ends that with status 1.
     """
-    said_first = said(program, "-log", "none", "-in", os.devnull).strip()
-    return said_first.removeprefix("LIGGGHTS (Version ").partition(",")[0]
+    first = piped.printed(program, "-log", "none").strip()
+    return first.removeprefix("LIGGGHTS (Version ").partition(",")[0]
 
 
 if __name__ == "__main__":
-    if len(sys.argv) == 2:
-        print(version(sys.argv[1]))
+    program = sys.argv.pop(1)
+    if sys.argv[1:] == ["version"]:
+        # Standard output is for answers alone.
+        print(version(program), file=served.ANSWERS)
     else:
-        border.ends(main, *sys.argv[1:])
+        kinds = ("contact", "plane", "uniform_gravity", "spring")
+        served.run(partial(solve, piped.Piped(program)), *kinds)

@@ -1,5 +1,5 @@
-"""A scene in YADE: yade -x -n driver.py request.json trajectory.csv; what its words cannot say
-exactly ends with status 77.
+"""Scenes in YADE: start.py answers requests until standard input ends, and yade -x -n driver.py
+request.json trajectory.csv one.
 """
 
 import math
@@ -8,6 +8,7 @@ from pathlib import Path
 
 sys.path.insert(0, str(Path(sys.argv[0]).resolve().parents[1]))
 import border
+import served
 import triangle
 from border import cannot
 from yade import minieigenHP, utils
@@ -24,7 +25,7 @@ ROWS = []
 
 
 def refuse(law, bodies):
-    """Ends with status 77 for what neither law is."""
+    """Raises UnsupportedError for what neither law is."""
     rubs = law["friction"] > 0
     cannot(
         rubs and law["tangential_stiffness"] == 0,
@@ -112,12 +113,13 @@ def record(stride):
         )
 
 
-def main(request_json, trajectory):
-    """Reads the request, runs it and writes the trajectory."""
-    request, step, stride = border.read(request_json)
-    border.refuse_kinds(request, "contact", "plane", "uniform_gravity")
-    bodies = request["scene"]["bodies"]
-    times = request["times"]
+def solve(scene):
+    """Runs a scene and keeps its rows."""
+    RUN.reset()
+    ROWS.clear()
+    request, bodies, times = scene.request, scene.bodies, scene.times
+    step, stride = scene.step, scene.stride
+    cannot(times[1] < times[0], "negative steps")
     law = border.contact_law(request)
     if law:
         refuse(law, bodies)
@@ -158,7 +160,7 @@ def main(request_json, trajectory):
     ]
     RUN.dt = step
     RUN.run(stride * (len(times) - 1) + 1, True)
-    border.write(trajectory, ((times[sample], *row) for sample, *row in ROWS))
+    scene.rows.extend((times[sample], *row) for sample, *row in ROWS)
 
 
-border.ends(main, *sys.argv[1:])
+served.run(solve, "contact", "plane", "uniform_gravity")
