@@ -57,9 +57,9 @@ def data(bodies):
 
 
 def contact(request):
-    """Pair style and walls: `model hooke/stiffness`, no tangential damping."""
+    """Pair style and walls: `model hooke/stiffness` or `model hertz`, no tangential damping."""
     planes = border.of_kind(request, "plane")
-    law = border.contact_law(request)
+    law = border.contact_law(request, "linear", "hertz")
     if law is None:
         cannot(planes, "planes without a contact law")
         yield "pair_style none"
@@ -75,14 +75,52 @@ def contact(request):
         rubs and pulls,
         "no friction while the normal force pulls: the limit is friction times its size",
     )
+    switches = f"tangential_damping off limitForce {'off' if pulls else 'on'}"
+    if law["law"] == "hertz":
+        words = "model hertz tangential history"
+        yield from material(request, law, planes)
+    else:
+        words = "model hooke/stiffness tangential history"
+        switches = f"absolute_damping on {switches}"
+        yield from numbers(law)
+    yield f"pair_style gran {words} {switches}\npair_coeff * *"
+    yield from walls(request, words, switches)
+
+
+def numbers(law):
+    """The numbers of `model hooke/stiffness`."""
     for name, key in (NUMBERS | {"gammat_abs": None}).items():
         yield (
             f"fix {name} all property/global {name} peratomtypepair 1 {law[key] if key else 0.0!r}"
         )
-    words = "model hooke/stiffness tangential history"
-    switches = f"absolute_damping on tangential_damping off limitForce {'off' if pulls else 'on'}"
-    yield f"pair_style gran {words} {switches}\npair_coeff * *"
-    yield from walls(request, words, switches)
+
+
+def material(request, law, planes):
+    """The material of `model hertz` that has the stiffnesses K and K_t of Hertz's law.
+
+    K = 4/3 Y* sqrt(R*) and K_t = 8 G* sqrt(R*), with 1/Y* = 2 (1 - nu^2)/Y and 1/G* = 4 (2 - nu)
+    (1 + nu)/Y, so that K_t/K = 3 (1 - nu)/(2 - nu).
+    """
+    radii = {body["shape"].get("radius", 0.0) for body in request["scene"]["bodies"]}
+    several = len(request["scene"]["bodies"]) > 1
+    cannot(len(radii) > 1 or (planes and several), "one material for several effective radii")
+    cannot(not all(map(is_along_an_axis, planes)), "Hertz's law at walls along no axis")
+    (radius,) = radii
+    effective = radius if planes else radius / 2
+    nu = 0.0
+    if law["friction"] > 0:
+        ratio = law["tangential_stiffness"] / law["stiffness"]
+        # nu = (3 - 2 r)/(3 - r) of the ratio r = K_t/K.
+        nu = (3 - 2 * ratio) / (3 - ratio)
+        cannot(not 0 <= nu <= 0.5, "a Poisson's ratio outside 0 to 1/2")
+    # Y = 2 (1 - nu^2) Y*, Y* = 3 K/(4 sqrt(R*)).
+    young = 1.5 * (1 - nu**2) * law["stiffness"] / math.sqrt(effective)
+    # LIGGGHTS refuses moduli below 5e6 and above 1e9 Pa unless it is told to take them.
+    yield "soft_particles yes\nhard_particles yes"
+    for name, value in (("youngsModulus", young), ("poissonsRatio", nu)):
+        yield f"fix {name} all property/global {name} peratomtype {value!r}"
+    for name, value in (("coefficientRestitution", 1.0), ("coefficientFriction", law["friction"])):
+        yield f"fix {name} all property/global {name} peratomtypepair 1 {value!r}"
 
 
 def walls(request, words, switches):

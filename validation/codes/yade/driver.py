@@ -15,17 +15,31 @@ from yade import minieigenHP, utils
 from yade import wrapper as y
 
 LAWS = {
-    False: [[y.Ip2_FrictMat_FrictMat_FrictPhys()], [y.Law2_ScGeom_FrictPhys_CundallStrack()]],
-    True: [[y.Ip2_ViscElMat_ViscElMat_ViscElPhys()], [y.Law2_ScGeom_ViscElPhys_Basic()]],
+    "elastic": [[y.Ip2_FrictMat_FrictMat_FrictPhys()], [y.Law2_ScGeom_FrictPhys_CundallStrack()]],
+    "damped": [[y.Ip2_ViscElMat_ViscElMat_ViscElPhys()], [y.Law2_ScGeom_ViscElPhys_Basic()]],
+    "hertz": [[y.Ip2_FrictMat_FrictMat_MindlinPhys()], [y.Law2_ScGeom_MindlinPhys_Mindlin()]],
 }
-"""Of contacts, by whether they are damped."""
+"""What makes the numbers of a contact, and its law, by the kind of contact."""
+POISSON = 0.25
+"""Poisson's ratio of spheres under Hertz's law; their force does not depend on it."""
 RUN = y.Omega()
 ROWS = []
 """Sample, body, and its state."""
 
 
+def kind_of(law):
+    """The kind of a contact: a key of LAWS."""
+    if law["law"] == "hertz":
+        return "hertz"
+    return "damped" if law["damping"] > 0 else "elastic"
+
+
 def refuse(law, bodies):
-    """Raises UnsupportedError for what neither law is."""
+    """Raises UnsupportedError for what no law here is."""
+    cannot(
+        law["law"] == "hertz" and law["friction"] > 0,
+        "Mindlin's spring as a total: it is a sum of increments",
+    )
     rubs = law["friction"] > 0
     cannot(
         rubs and law["tangential_stiffness"] == 0,
@@ -45,6 +59,12 @@ def material(law, radius):
     """
     if law is None:
         return y.FrictMat()
+    if law["law"] == "hertz":
+        # K = 4/3 E* sqrt(R*), R* = R/2 in pairs and at walls, 1/E* = 2 (1 - nu^2)/E.
+        effective = 0.75 * law["stiffness"] / math.sqrt(radius / 2)
+        return y.FrictMat(
+            young=2 * (1 - POISSON**2) * effective, poisson=POISSON, frictionAngle=0.0
+        )
     numbers = [law[name] for name in ("stiffness", "tangential_stiffness", "damping")]
     angle = math.atan(law["friction"])
     (kn, ks, cn) = numbers
@@ -120,7 +140,7 @@ def solve(scene):
     request, bodies, times = scene.request, scene.bodies, scene.times
     step, stride = scene.step, scene.stride
     cannot(times[1] < times[0], "negative steps")
-    law = border.contact_law(request)
+    law = border.contact_law(request, "linear", "hertz")
     if law:
         refuse(law, bodies)
     place(request, law)
@@ -139,7 +159,7 @@ def solve(scene):
     bounds = [y.Bo1_Sphere_Aabb(), y.Bo1_Wall_Aabb(), y.Bo1_Facet_Aabb()]
     contact = [
         y.InsertionSortCollider(bounds, verletDist=0),
-        y.InteractionLoop(meet, *LAWS[bool(law and law["damping"])]),
+        y.InteractionLoop(meet, *(LAWS[kind_of(law)] if law else ([], []))),
     ]
     begin = [y.ForceResetter(), *(contact if law else [])]
     RUN.engines, RUN.dt = (
