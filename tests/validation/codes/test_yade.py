@@ -36,7 +36,7 @@ def test_a_facet_taken_for_a_sphere_of_the_same_radius_closes_it(gates):
         "impact-benchmarks[member=dem-05 branch=R-d/2]",
         "error/v.x",
         "yade/driver.py",
-        "material(law, 2 * radius)",
+        "material(law, radius, is_facet=True)",
         "material(law, radius)",
     )
 

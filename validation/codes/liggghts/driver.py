@@ -104,7 +104,6 @@ def material(request, law, planes):
     radii = {body["shape"].get("radius", 0.0) for body in request["scene"]["bodies"]}
     several = len(request["scene"]["bodies"]) > 1
     cannot(len(radii) > 1 or (planes and several), "one material for several effective radii")
-    cannot(not all(map(is_along_an_axis, planes)), "Hertz's law at walls along no axis")
     (radius,) = radii
     effective = radius if planes else radius / 2
     nu = 0.0
@@ -155,7 +154,10 @@ def unit_of_length(request):
 
 
 def in_unit(request, unit):
-    """The request with lengths in this unit [m]; those of mass and time, and so N/m, stay."""
+    """The request with lengths in this unit [m]; those of mass and time, and so N/m, stay.
+
+    Hertz's stiffnesses [N/m^(3/2) = kg m^(-1/2) s^-2] become sqrt(unit) as large.
+    """
     lengths = {"position", "velocity", "radius", "point", "g", "anchor_b", "length"}
 
     def scaled(thing, is_length=False):
@@ -165,7 +167,12 @@ def in_unit(request, unit):
             return [scaled(value, is_length) for value in thing]
         return thing / unit if is_length else thing
 
-    return request | {"scene": scaled(request["scene"])}
+    scene = scaled(request["scene"])
+    for element in scene["elements"]:
+        if element["kind"] == "contact" and element["law"] == "hertz":
+            for name in ("stiffness", "tangential_stiffness"):
+                element[name] *= math.sqrt(unit)
+    return request | {"scene": scene}
 
 
 def stl(corners, normal):

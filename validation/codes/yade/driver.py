@@ -20,6 +20,14 @@ LAWS = {
     "hertz": [[y.Ip2_FrictMat_FrictMat_MindlinPhys()], [y.Law2_ScGeom_MindlinPhys_Mindlin()]],
 }
 """What makes the numbers of a contact, and its law, by the kind of contact."""
+FACET = math.sqrt(3) / (4 - math.sqrt(3))
+"""Young's modulus of a facet over that of the spheres under Hertz's law.
+
+A sphere and a facet have R* = 2 R/3 in place of R/2, so that E* has to be sqrt(3)/2 as large: E_f/
+(E + E_f) = sqrt(3)/4.
+"""
+LEAST_STEP = 1e-300
+"""A step [s] in which nothing moves."""
 POISSON = 0.25
 """Poisson's ratio of spheres under Hertz's law; their force does not depend on it."""
 RUN = y.Omega()
@@ -38,7 +46,7 @@ def refuse(law, bodies):
     """Raises UnsupportedError for what no law here is."""
     cannot(
         law["law"] == "hertz" and law["friction"] > 0,
-        "Mindlin's spring as a total: it is a sum of increments",
+        "friction under Hertz's law: this driver does not say it yet",
     )
     rubs = law["friction"] > 0
     cannot(
@@ -53,24 +61,29 @@ def refuse(law, bodies):
     cannot(any(body["shape"]["kind"] != "sphere" for body in bodies), "contacts of points")
 
 
-def material(law, radius):
-    """The material of a sphere; damped ones are in series, whatever its documentation says
-    (reports/findings.md).
+def material(law, radius, is_facet=False):
+    """The material of a sphere, or of a facet that spheres of this radius touch; damped ones are in
+    series, whatever its documentation says (reports/findings.md).
+
+    A facet counts as a sphere of radius 2 R (Ig2_Facet_Sphere_ScGeom).
     """
     if law is None:
         return y.FrictMat()
     if law["law"] == "hertz":
         # K = 4/3 E* sqrt(R*), R* = R/2 in pairs and at walls, 1/E* = 2 (1 - nu^2)/E.
         effective = 0.75 * law["stiffness"] / math.sqrt(radius / 2)
-        return y.FrictMat(
-            young=2 * (1 - POISSON**2) * effective, poisson=POISSON, frictionAngle=0.0
-        )
+        young = 2 * (1 - POISSON**2) * effective
+        if is_facet:
+            young *= FACET
+        return y.FrictMat(young=young, poisson=POISSON, frictionAngle=0.0)
     numbers = [law[name] for name in ("stiffness", "tangential_stiffness", "damping")]
     angle = math.atan(law["friction"])
     (kn, ks, cn) = numbers
     if cn == 0:
         return y.FrictMat(
-            young=kn / radius, poisson=ks / kn or 1.0, frictionAngle=angle
+            young=kn / ((2 if is_facet else 1) * radius),
+            poisson=ks / kn or 1.0,
+            frictionAngle=angle,
         )  # of 0 NaN comes (reports/findings.md)
     return y.ViscElMat(kn=2 * kn, ks=2 * ks, cn=2 * cn, cs=0.0, frictionAngle=angle)
 
@@ -114,10 +127,9 @@ def place_planes(request, law):
             sense = int(plane["normal"][axis])
             body = utils.wall(plane["point"], axis, sense=sense, material=material(law, *radii))
         else:
-            # A facet counts as a sphere of radius 2 R (Ig2_Facet_Sphere_ScGeom).
             (radius,) = radii
             corners = triangle.corners(plane, inradius)
-            body = utils.facet(corners, material=material(law, 2 * radius))
+            body = utils.facet(corners, material=material(law, radius, is_facet=True))
         RUN.bodies.append(body)
 
 
@@ -162,13 +174,8 @@ def solve(scene):
         y.InteractionLoop(meet, *(LAWS[kind_of(law)] if law else ([], []))),
     ]
     begin = [y.ForceResetter(), *(contact if law else [])]
-    RUN.engines, RUN.dt = (
-        [
-            *begin,
-            y.NewtonIntegrator(damping=0),
-        ],
-        0.0,
-    )  # alone, forces add up (reports/findings.md)
+    # Alone, forces add up (reports/findings.md). In a step of 0 Mindlin's law divides 0 by 0.
+    RUN.engines, RUN.dt = [*begin, y.NewtonIntegrator(damping=0)], LEAST_STEP
     RUN.run(1, True)
     for n, body in enumerate(bodies):
         RUN.bodies[n].state.vel -= step / 2 * (RUN.forces.f(n) / body["mass"] + g)
