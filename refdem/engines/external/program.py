@@ -52,9 +52,13 @@ class Program:
         self.home = description.parent
 
     def missing(self) -> str | None:
-        """None if the first word of the command can be run."""
-        word = self.table.command[0]
-        if shutil.which(self.placed(word)):
+        """None if the first words of the command and of the version command can be run.
+
+        A command that is an interpreter with a driver is there without the program that it drives.
+        """
+        programs = [self.table.command[0], *self.table.version_command[:1]]
+        word = next((word for word in programs if not shutil.which(self.placed(word))), None)
+        if word is None:
             return None
         advice = one_line(self.table.install) or "build it, or correct engine.command"
         return f"{word} does not exist or is not executable (from {self.home}); {advice}"

@@ -4,6 +4,7 @@ import hashlib
 import os
 import shutil
 import subprocess
+import sys
 
 import field
 import field_page
@@ -29,6 +30,8 @@ def test_a_code_without_an_environment_of_its_own_is_there_or_told_of(
 ):
     monkeypatch.setenv("PATH", str(tmp_path))
     monkeypatch.setattr(field, "OUT", tmp_path / "field")
+    # The program that starts YADE is Python's.
+    (tmp_path / "python3").symlink_to(sys.executable)
     assert field.lock_of("yade") is None
     assert "yade" not in field.there()
     assert field.state("yade", may_install=True) == field.NOT_INSTALLED

@@ -224,6 +224,19 @@ def test_only_the_newest_failed_runs_are_kept(small: Path, tmp_path: Path) -> No
     assert len(list((tmp_path / "kept" / "failed-runs").iterdir())) == MOST_FOLDERS
 
 
+def test_a_driver_whose_program_is_not_there_is_said_to_be_missing(small: Path) -> None:
+    toml = small / "refdem.toml"
+    for program, is_missing in (("nowhere", True), ("python3", False)):
+        toml.write_text(
+            '[engine]\nname = "small"\ncommand = ["python3", "driver.py"]\n'
+            f'version_command = ["{program}", "--version"]\n'
+            '[[engine.methods]]\nname = "a"\norder = 1\n'
+        )
+        reason = discovery.engine(str(toml)).missing()
+        assert (reason is not None) == is_missing
+        assert reason is None or reason.startswith("nowhere does not exist or is not executable")
+
+
 def test_a_missing_and_an_unrunnable_program_are_said_to_be_missing(small: Path) -> None:
     toml = small / "refdem.toml"
     for word in ("./nowhere", "./program.py"):
