@@ -83,6 +83,35 @@ def test_a_top_is_one_body_on_one_joint_of_the_world(elements, bodies, is_top):
     assert (top.CHECK.applies(subject([whirling] * bodies, elements)) is None) == is_top
 
 
+@pytest.mark.parametrize(("name", "terms", "of_claim"), [("joint", 1.0, 0.0), ("L_z", 3.0, 2.0)])
+def test_a_top_whose_coarse_steps_change_nothing_is_held_to_round_off(name, terms, of_claim):
+    whirling = Body(mass=2.0, inertia=(1.0, 1.0, 0.5))
+    held = subject([whirling], [BallJoint(a=0)], levels=(2.0**-3, 2.0**-4, 2.0**-5))
+    nothing = [np.zeros(len(held.instance.times))] * 3
+    found = top.CHECK._constant(held, name, nothing, {"L_z": terms})
+    # 20 c u sqrt(n) for each term, and one c u sqrt(n) for each term beyond the first.
+    rounding = held.round_off(2.0**-5)
+    of_turns = 0.0
+    if name == "L_z":
+        of_turns = refinement.turning(held.instance, held.method, 2.0**-5)
+    assert found.bound == near((20 * terms + of_claim) * rounding + of_turns, rel=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("bodies", "elements", "are_alone"),
+    [
+        ((BALL, FAR_BALL), [RIGID], True),
+        ((BALL, FAR_BALL), [RIGID, Plane(point=(0.0, 0.0, -9.0))], True),
+        ((BALL, FAR_BALL), [RIGID, Plane(point=(0.0, 0.0, -9.0)), GRAVITY], True),
+        ((BALL, FAR_BALL), [RIGID, Plane(point=(0.0, 0.0, 9.0)), GRAVITY], False),
+        ((BALL, FAR_BALL), [RIGID, Spring(a=0, b=-1, stiffness=1.0)], False),
+        ((BALL, Body(mass=1.0, position=(0.0, 0.0, 4.0))), [RIGID], False),
+    ],
+)
+def test_impacts_are_alone_among_spheres_that_nothing_else_moves(bodies, elements, are_alone):
+    assert _crossings.is_impacts_alone(subject(bodies, elements).instance.scene) == are_alone
+
+
 @pytest.mark.parametrize(
     ("bodies", "elements", "control", "is_one"),
     [
